@@ -1,0 +1,19 @@
+"""Robot files, scene files and tasks: YAML in, frozen and validated data out.
+
+`files` reads YAML with line numbers, `locate` finds files by path, by name and through `package://`,
+`robot` and `scene` hold the pydantic models. Nothing here knows Pinocchio or Coal.
+"""
+
+from .locate import shipped_robots, shipped_scenes
+from .robot import RobotDescription, load_robot_description
+from .scene import SceneDescription, TaskDescription, load_scene
+
+__all__ = [
+    "RobotDescription",
+    "SceneDescription",
+    "TaskDescription",
+    "load_robot_description",
+    "load_scene",
+    "shipped_robots",
+    "shipped_scenes",
+]

@@ -1,0 +1,93 @@
+"""Where files are: robots and scenes by path or by name, URDFs and meshes through `package://`.
+
+A mesh or a URDF is looked for only in the folder of the file that names it, in the folders that the robot
+file lists under `packages`, and in the `share` folder of the installed model wheels.
+"""
+
+from __future__ import annotations
+
+import sysconfig
+from pathlib import Path
+
+from ..errors import InputError, close_names
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def _shipped(kind: str) -> Path:
+    """Return the folder of the shipped robots or scenes: inside the wheel, or at the top of the repository."""
+    inside = _PACKAGE / "data" / kind
+    return inside if inside.is_dir() else _PACKAGE.parent / kind
+
+
+def shipped_robots() -> dict[str, Path]:
+    """Return the robot files that come with pinograsp, by name."""
+    return {file.parent.name: file for file in sorted(_shipped("robots").glob("*/robot.yaml"))}
+
+
+def shipped_scenes() -> dict[str, Path]:
+    """Return the scene files that come with pinograsp, by name."""
+    return {file.stem: file for file in sorted(_shipped("scenes").glob("*.yaml"))}
+
+
+def robot_file(name: str | Path) -> Path:
+    """Find a robot file by path (the file or its folder) or by the name of a shipped robot."""
+    path = Path(name).expanduser()
+    if path.is_dir() and (path / "robot.yaml").is_file():
+        return path / "robot.yaml"
+    return _by_path_or_name(path, "robot", shipped_robots())
+
+
+def scene_file(name: str | Path) -> Path:
+    """Find a scene file by path, or by the name of a shipped scene (`glovebox`, `scenes/glovebox.yaml`)."""
+    return _by_path_or_name(Path(name).expanduser(), "scene", shipped_scenes())
+
+
+def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
+    if path.is_file():
+        return path
+    parts = [part for part in path.parts if part not in {f"{kind}s", "robot.yaml"}]
+    if not path.is_absolute() and len(parts) == 1:
+        name = parts[0].removesuffix(".yaml")
+        if name in shipped:
+            return shipped[name]
+    raise InputError(
+        f"no such {kind} file, and no shipped {kind} has this name",
+        file=path,
+        remedy=close_names(path.stem if kind == "scene" else path.name, list(shipped)),
+    )
+
+
+def wheel_share() -> Path:
+    """Return the folder into which the model wheels install their packages."""
+    return Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
+
+
+def package_folders(file: Path, packages: tuple[Path, ...]) -> list[Path]:
+    """Return the folders in which `package://` is looked up, in order.
+
+    `example-robot-data` keeps its packages' content below `example-robot-data/robots`; its `package://`
+    addresses start at the `share` folder like everyone else's.
+    """
+    beside = file.resolve().parent
+    listed = [folder if folder.is_absolute() else beside / folder for folder in packages]
+    return [*listed, beside, wheel_share()]
+
+
+def resolve(address: str, *, beside: Path, folders: list[Path]) -> Path | None:
+    """Return the file behind a `package://`, `file://` or relative address, or None.
+
+    `beside` is the file that holds the address. A result outside `folders` and the folder of `beside`
+    is refused (None).
+    """
+    home = beside.resolve().parent
+    if address.startswith("package://"):
+        candidates = [folder / address.removeprefix("package://") for folder in folders]
+    else:
+        candidates = [home / address.removeprefix("file://")]
+    allowed = [home, *(folder.resolve() for folder in folders)]
+    for candidate in candidates:
+        real = candidate.resolve()
+        if real.is_file() and any(real.is_relative_to(folder) for folder in allowed):
+            return real
+    return None

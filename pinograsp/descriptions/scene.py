@@ -1,0 +1,198 @@
+"""The scene file: enclosure, mounting of the arm, obstacles, objects and tasks.
+
+World frame as the file's author chooses it; lengths in metres, angles in radians, forces in newtons.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from ..errors import InputError, close_names
+from . import locate
+from .files import FileRoot, Frozen, Number, Vector3, read_file
+from .shapes import Shape
+
+Name = Annotated[str, Field(min_length=1)]
+Positive = Annotated[Number, Field(gt=0.0)]
+NotNegative = Annotated[Number, Field(ge=0.0)]
+ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Pose(Frozen):
+    """A frame in the world: position and roll, pitch, yaw about the fixed axes x, y, z (as in URDF)."""
+
+    position: Vector3 = ZERO
+    rpy: Vector3 = ZERO
+
+    @cached_property
+    def matrix(self) -> NDArray[np.float64]:
+        """Homogeneous transform T_world_frame, shape (4, 4)."""
+        (cr, cp, cy), (sr, sp, sy) = (
+            [math.cos(a) for a in self.rpy],
+            [math.sin(a) for a in self.rpy],
+        )
+        T = np.eye(4)
+        T[:3, :3] = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+        T[:3, 3] = self.position
+        return T
+
+
+class Enclosure(Frozen):
+    """The inside of a box-shaped room, edges along the world axes; its six walls are half-spaces."""
+
+    min: Vector3
+    max: Vector3
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Enclosure:
+        if any(low >= high for low, high in zip(self.min, self.max, strict=True)):
+            raise ValueError("min must be below max along x, y and z")
+        return self
+
+    @cached_property
+    def walls(self) -> dict[str, tuple[NDArray[np.float64], float]]:
+        """Name to (inward normal n, offset d): the inside is n . p >= d."""
+        walls: dict[str, tuple[NDArray[np.float64], float]] = {}
+        for axis, letter in enumerate("xyz"):
+            inward = np.eye(3)[axis]
+            walls[f"wall {letter}="f"{self.min[axis]:g}"] = (inward, self.min[axis])
+            walls[f"wall {letter}="f"{self.max[axis]:g}"] = (-inward, -self.max[axis])
+        return walls
+
+
+class Body(Frozen):
+    """A shape at a pose: an obstacle or an object."""
+
+    shape: Shape
+    pose: Pose = Pose()
+
+
+class ObjectDescription(Body):
+    """Something to grasp; in the tasks of other objects it is an obstacle."""
+
+    center_of_mass: Vector3 = ZERO
+    """In the object's frame."""
+
+    @cached_property
+    def center_of_mass_world(self) -> NDArray[np.float64]:
+        """Centre of mass in the world, shape (3,)."""
+        T = self.pose.matrix
+        return np.asarray(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3])
+
+
+class Wrench(Frozen):
+    """External wrench on the object: force and torque about the centre of mass, world frame."""
+
+    force: Vector3
+    torque: Vector3 = ZERO
+
+    @cached_property
+    def vector(self) -> NDArray[np.float64]:
+        """The wrench as (force, torque), shape (6,)."""
+        return np.array([*self.force, *self.torque])
+
+
+class ContactConstants(Frozen):
+    """Friction and force limits of the force problem, (17), (18) and appendix A."""
+
+    friction: Positive
+    """Static friction coefficient mu_s."""
+    min_normal_force: NotNegative = 0.001
+    """f_min, N."""
+    max_force: Positive = 5.0
+    """f_max on the norm of a contact force, N."""
+    kappa: Positive = 0.01
+    """Margin below which the barrier of (A6) becomes quadratic, N."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ContactConstants:
+        if self.min_normal_force >= self.max_force:
+            raise ValueError("min_normal_force must be below max_force")
+        return self
+
+
+class Margins(Frozen):
+    """Least distances, m."""
+
+    enclosure: NotNegative = 0.005
+    """Robot to walls, obstacles and other objects (16)."""
+    robot: NotNegative = 0.005
+    """Robot to itself."""
+
+
+class TaskDescription(Frozen):
+    """What to hold, where, against which wrench."""
+
+    object: Name
+    desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2)]
+    """Desired contact points on the object's surface, in the object's frame."""
+    wrench: Wrench
+    contact: ContactConstants
+    force_weight: NotNegative = 1.0
+    """k of (10), mm^2: weight of V against the squared contact distances."""
+    margin: Margins = Margins()
+    balance_wrench: bool = True
+    """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
+    start_radius: Positive = 0.3
+    """Starts have their wrist within this distance of the object's centre of mass, m."""
+
+
+class SceneDescription(FileRoot):
+    """A scene file."""
+
+    format: Literal[1]
+    name: Name
+    description: str = ""
+    enclosure: Enclosure
+    mounting: Pose = Pose()
+    """Pose of the robot's root link in the world."""
+    obstacles: dict[Name, Body] = {}
+    objects: dict[Name, ObjectDescription]
+    tasks: dict[Name, TaskDescription]
+
+    @model_validator(mode="after")
+    def _references(self) -> SceneDescription:
+        for name, task in self.tasks.items():
+            if task.object not in self.objects:
+                remedy = close_names(task.object, list(self.objects))
+                raise ValueError(f"task {name!r} is about the object {task.object!r}, which is not defined. {remedy}")
+        twice = set(self.obstacles) & set(self.objects)
+        if twice:
+            raise ValueError(f"{sorted(twice)[0]!r} is both an obstacle and an object")
+        return self
+
+    def task(self, name: str) -> TaskDescription:
+        """Return a task by name.
+
+        Raises:
+            InputError: there is none of this name.
+        """
+        if name not in self.tasks:
+            remedy = close_names(name, list(self.tasks))
+            raise InputError(f"no task {name!r} in this scene", file=self.source, key="tasks", remedy=remedy)
+        return self.tasks[name]
+
+    def bodies_besides(self, task: TaskDescription) -> dict[str, Body]:
+        """Return what the robot must keep clear of in this task: obstacles and the other objects."""
+        others = {name: body for name, body in self.objects.items() if name != task.object}
+        return {**self.obstacles, **others}
+
+
+def load_scene(name: str | Path) -> SceneDescription:
+    """Read a scene file, given by path or by the name of a shipped scene.
+
+    Raises:
+        InputError: the file is missing, or a key or value is wrong.
+    """
+    return read_file(locate.scene_file(name), SceneDescription)

@@ -1,0 +1,23 @@
+"""Kinematics and geometry: the robot mounted in a scene, exact signed distances, object surfaces.
+
+`urdf` prepares the robot's URDF, `robot` turns it into a Pinocchio model with arm, hand and pads,
+`kinematics` computes poses, contact points and their derivatives, `collision` the signed distances with
+gradients, and `shapes` holds one file a shape.
+"""
+
+from .collision import CollisionModel, Distances
+from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward
+from .robot import RobotModel
+from .shapes import Surface, surface_of
+
+__all__ = [
+    "CollisionModel",
+    "Configuration",
+    "ContactKinematics",
+    "Distances",
+    "RobotModel",
+    "Surface",
+    "contact_kinematics",
+    "forward",
+    "surface_of",
+]

@@ -1,0 +1,183 @@
+"""Exact signed distances of the robot to its surroundings and to itself, with gradients.
+
+For a pair with witness points p1, p2 and unit normal n from the first body to the second,
+
+    d = n . (p2 - p1),    dd/dq = n . (velocity of p2 - velocity of p1) = ((n, p1 x n) . J) (support_2 - support_1)
+
+with world Jacobian columns J and the joints that move each body.
+
+Pairs whose bounding spheres are `REACH` or more apart are not measured: their distance is known to be at
+least `REACH`, and users of the distances must treat all such values alike (`problem.terms.clearance` does, so
+that culling never makes a constraint jump).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import coal
+import numpy as np
+
+from ..arrays import Array, Indices
+from ..descriptions import SceneDescription, TaskDescription
+from .bodies import Solid, body_solid, robot_solids, wall_solids
+from .kinematics import Configuration
+from .robot import RobotModel
+
+Kind = Literal["enclosure", "object", "self"]
+REACH = 0.05
+"""Pairs farther apart than this are not measured, m."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies that must keep apart."""
+
+    kind: Kind
+    link: str
+    """The robot's link; in a self pair the outer one."""
+    other: str
+    """What it must keep clear of: a wall, an obstacle, the object or a link."""
+    first: int
+    second: int
+
+    @property
+    def name(self) -> str:
+        """Both bodies in words."""
+        return f"{self.link} - {self.other}"
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Signed distances of the measured pairs."""
+
+    indices: Indices
+    """Which pairs of `CollisionModel.pairs` were measured, shape (k,)."""
+    values: Array
+    """Signed distances, m, shape (k,)."""
+    gradients: Array
+    """In the posture, shape (k, l + s)."""
+
+
+class CollisionModel:
+    """The pairs of bodies of a task, and their distances at a configuration."""
+
+    def __init__(self, robot: RobotModel, scene: SceneDescription, task: TaskDescription) -> None:
+        links = robot_solids(robot)
+        walls = wall_solids(scene.enclosure)
+        obstacles = [body_solid(name, body) for name, body in scene.bodies_besides(task).items()]
+        target = body_solid(task.object, scene.objects[task.object])
+        self._robot = robot
+        self._solids = [*links, *walls, *obstacles, target]
+        self.pairs = tuple(self._pairs(len(links), len(walls), len(obstacles)))
+        first = np.array([pair.first for pair in self.pairs])
+        second = np.array([pair.second for pair in self.pairs])
+        joints = np.array([solid.joint for solid in self._solids])
+        self._joints = joints
+        self._placements = np.array([solid.placement for solid in self._solids])
+        self._centers = np.array([solid.center for solid in self._solids])
+        self._first, self._second = first, second
+        self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
+        radii = np.array([solid.radius for solid in self._solids])
+        # Wall pairs come first: link i against wall w, link by link.
+        self._to_walls = int(np.isinf(radii[second]).sum())
+        moving = first[: self._to_walls : max(len(walls), 1)]
+        self._moving, self._moving_radii = moving, radii[moving]
+        self._wall_normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
+        self._wall_offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
+        self._pair_radii = radii[first[self._to_walls :]] + radii[second[self._to_walls :]]
+        self._request = coal.DistanceRequest()
+        self._request.enable_signed_distance = True
+        # The cached guess would make a distance depend on the query before it.
+        self._request.gjk_initial_guess = coal.GJKInitialGuess.BoundingVolumeGuess
+        self._request.enable_cached_gjk_guess = False
+
+    def distances(self, configuration: Configuration) -> Distances:
+        """Measure every pair that may be closer than `REACH`."""
+        rotations = configuration.rotations[self._joints]
+        translations = configuration.translations[self._joints]
+        centers = np.matmul(rotations, self._centers[:, :, None])[:, :, 0] + translations
+        indices = np.flatnonzero(self._lower_bounds(centers) < REACH)
+        values, points, normals = self._measure(indices, rotations, translations)
+        arms = np.cross(points, normals)
+        along = np.concatenate([normals, arms], axis=1) @ configuration.jacobian
+        return Distances(indices, values, (along * self._moves[indices]) @ self._robot.B)
+
+    def clear(self, configuration: Configuration, enclosure: float, robot: float) -> bool:
+        """Return whether the robot keeps these distances (m) from its surroundings and from itself.
+
+        The object does not count.
+        """
+        margins = {"enclosure": enclosure, "self": robot, "object": -np.inf}
+        measured = self.distances(configuration)
+        wanted = np.array([margins[self.pairs[index].kind] for index in measured.indices.tolist()])
+        return bool((measured.values >= wanted).all())
+
+    def _lower_bounds(self, centers: Array) -> Array:
+        bounds = np.empty(len(self.pairs))
+        to_walls = centers[self._moving] @ self._wall_normals.T - self._wall_offsets - self._moving_radii[:, None]
+        bounds[: self._to_walls] = to_walls.ravel()
+        apart = centers[self._first[self._to_walls :]] - centers[self._second[self._to_walls :]]
+        bounds[self._to_walls :] = np.sqrt((apart * apart).sum(axis=1)) - self._pair_radii
+        return bounds
+
+    def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:
+        """Return distances (k,), witness points on the first bodies (k, 3) and normals (k, 3)."""
+        values, points, normals = np.empty(len(indices)), np.empty((len(indices), 3)), np.empty((len(indices), 3))
+        poses: dict[int, Any] = {}
+        for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
+            R, local = rotations[solid], self._placements[solid]
+            poses[solid] = coal.Transform3s(R @ local[:3, :3], R @ local[:3, 3] + translations[solid])
+        for row, index in enumerate(indices.tolist()):
+            pair = self.pairs[index]
+            result = coal.DistanceResult()
+            values[row] = coal.distance(
+                self._solids[pair.first].shape,
+                poses[pair.first],
+                self._solids[pair.second].shape,
+                poses[pair.second],
+                self._request,
+                result,
+            )
+            points[row] = result.getNearestPoint1()
+            normals[row] = result.normal
+        return values, points, normals
+
+    def _pairs(self, links: int, walls: int, obstacles: int) -> list[Pair]:
+        """List the pairs that can move against each other; wall pairs first, link by link."""
+        solids, supports = self._solids, self._robot.supports
+        moving = [i for i in range(links) if supports[solids[i].joint].any()]
+        around = range(links + walls, links + walls + obstacles)
+        target = links + walls + obstacles
+
+        def pair(kind: Kind, a: int, b: int, link: int, other: int) -> Pair:
+            return Pair(kind, solids[link].name, solids[other].name, a, b)
+
+        pairs = [pair("enclosure", i, w, i, w) for i in moving for w in range(links, links + walls)]
+        pairs += [pair("enclosure", i, o, i, o) for i in moving for o in around]
+        pairs += [pair("object", i, target, i, target) for i in moving if not self._behind_its_pad(solids[i])]
+        for a in range(links):
+            for b in range(a + 1, links):
+                names = frozenset((solids[a].name, solids[b].name))
+                relative = (supports[solids[a].joint] != supports[solids[b].joint]).any()
+                if len(names) == 2 and relative and names not in self._robot.urdf.disabled_pairs:
+                    pairs.append(pair("self", a, b, b, a))
+        return pairs
+
+    def _behind_its_pad(self, solid: Solid) -> bool:
+        """Return whether the plane of a pad bounds the link.
+
+        Then contact and tangency at the pad already keep the link off a convex object. Its distance to the
+        object is zero at every grasp with the gradient of the contact condition: as one more inequality it
+        would only make the problem degenerate.
+        """
+        if not isinstance(solid.shape, coal.ConvexBase):
+            return False
+        points = np.array(solid.shape.points()) @ solid.placement[:3, :3].T + solid.placement[:3, 3]
+        return any(
+            pad.joint == solid.joint
+            and pad.description.link == solid.name
+            and float(((points - pad.translation) @ pad.rotation[:, 2]).max()) < 2e-6
+            for pad in self._robot.pads
+        )

@@ -1,0 +1,136 @@
+"""Poses, contact points and their derivatives.
+
+World spatial Jacobian columns (v_k, omega_k) of joint k give a point r fixed to a link that k moves the
+velocity L_k = v_k + omega_k x r. For joints j, k that both move the link, k nearer to the root than j or j itself,
+
+    dL_j/dq_k = omega_k x L_j,    dL_k/dq_j = omega_k x L_j,    d omega_j/dq_k = omega_k x omega_j.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ..arrays import Array, skew
+from .robot import RobotModel
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """A posture whose kinematics have been computed."""
+
+    robot: RobotModel
+    posture: Array
+    """(q_a, sigma), shape (l + s,)."""
+    rotations: Array
+    """Of every joint frame in the world (index 0: the world itself), shape (njoints, 3, 3)."""
+    translations: Array
+    """m, shape (njoints, 3)."""
+    jacobian: Array
+    """World spatial Jacobian columns of all joints (linear at the world's origin, angular), shape (6, nv)."""
+
+
+@dataclass(frozen=True)
+class ContactKinematics:
+    """The contacts of the pads, with derivatives in x = (posture, q_c)."""
+
+    points: Array
+    """Contact points in the world, m, shape (n, 3)."""
+    normals: Array
+    """Outward unit normals of the pads there: into the object, shape (n, 3)."""
+    axes: Array
+    """Pad axes x, y in the world, perpendicular to the normal, shape (n, 2, 3)."""
+    jacobians: Array
+    """Twist (linear at the contact point, angular) per hand joint rate, shape (n, 6, h)."""
+    d_points: Array
+    """Shape (n, 3, v)."""
+    d_normals: Array
+    """Shape (n, 3, v)."""
+    d_axes: Array
+    """Shape (n, 2, 3, v)."""
+    d_jacobians: Array
+    """Shape (n, 6, h, v)."""
+
+
+def forward(robot: RobotModel, data: Any, posture: Array) -> Configuration:
+    """Compute poses and joint Jacobians.
+
+    Args:
+        robot: the mounted robot.
+        data: a Pinocchio Data of its model, used as scratch space.
+        posture: (q_a, sigma), rad (m), shape (l + s,).
+    """
+    pin.computeJointJacobians(robot.model, data, robot.joint_positions(posture))
+    poses = np.array([M.homogeneous for M in data.oMi])
+    return Configuration(robot, posture, poses[:, :3, :3], poses[:, :3, 3], data.J.copy())
+
+
+def contact_kinematics(configuration: Configuration, parameters: Array) -> ContactKinematics:
+    """Compute contact points, normals and hand Jacobians of every pad, with derivatives.
+
+    Args:
+        configuration: computed kinematics.
+        parameters: q_c, contact parameters (u, v) pad by pad, m, shape (n, 2).
+    """
+    robot = configuration.robot
+    joints = np.array([pad.joint for pad in robot.pads])
+    frames = np.matmul(configuration.rotations[joints], np.array([pad.rotation for pad in robot.pads]))
+    local = np.array([pad.translation for pad in robot.pads])
+    origins = np.matmul(configuration.rotations[joints], local[:, :, None])[:, :, 0] + configuration.translations[joints]
+    axes = frames[:, :, :2].transpose(0, 2, 1)
+    normals = frames[:, :, 2]
+    points = origins + np.matmul(frames[:, :, :2], parameters[:, :, None])[:, :, 0]
+
+    moves = robot.supports[joints][:, None, :]
+    angular = configuration.jacobian[3:] * moves
+    linear = configuration.jacobian[:3] * moves - np.matmul(skew(points), angular)
+    hand = robot.hand_joints
+    return ContactKinematics(
+        points=points,
+        normals=normals,
+        axes=axes,
+        jacobians=np.concatenate([linear[:, :, hand], angular[:, :, hand]], axis=1),
+        d_points=_with_parameters(linear @ robot.B, axes),
+        d_normals=_with_parameters(_turned(normals, angular) @ robot.B, None),
+        d_axes=np.stack([_with_parameters(_turned(axes[:, i], angular) @ robot.B, None) for i in range(2)], axis=1),
+        d_jacobians=_jacobian_derivatives(robot, linear, angular, axes),
+    )
+
+
+def _turned(vectors: Array, angular: Array) -> Array:
+    """Return omega_k x vector for every pad and joint, shape (n, 3, nv)."""
+    return -np.matmul(skew(vectors), angular)
+
+
+def _with_parameters(by_posture: Array, axes: Array | None) -> Array:
+    """Append the derivatives in q_c, (n, 3, p) -> (n, 3, p + 2 n): a pad's own axes, or zero."""
+    n, _, size = by_posture.shape
+    result = np.zeros((n, 3, size + 2 * n))
+    result[:, :, :size] = by_posture
+    if axes is not None:
+        for i in range(n):
+            result[i, :, size + 2 * i : size + 2 * i + 2] = axes[i].T
+    return result
+
+
+def _jacobian_derivatives(robot: RobotModel, linear: Array, angular: Array, axes: Array) -> Array:
+    """Return the derivative of the hand Jacobians, shape (n, 6, h, v)."""
+    n, _, nv = linear.shape
+    hand = robot.hand_joints
+    size = robot.posture_size
+    omega = skew(angular.transpose(0, 2, 1).reshape(-1, 3)).reshape(n, nv, 3, 3)
+    velocity = skew(linear.transpose(0, 2, 1).reshape(-1, 3)).reshape(n, nv, 3, 3)
+    hand_linear, hand_angular = linear[:, None, :, hand], angular[:, None, :, hand]
+    before = (np.arange(nv)[:, None] <= hand[None, :])[None, :, None, :]
+    result = np.zeros((n, 6, len(hand), size + 2 * n))
+    change = np.where(before, np.matmul(omega, hand_linear), -np.matmul(velocity, hand_angular))
+    turn = np.where(before, np.matmul(omega, hand_angular), 0.0)
+    both = np.concatenate([change, turn], axis=2)
+    result[:, :, :, :size] = (both.reshape(n, nv, -1).transpose(0, 2, 1) @ robot.B).reshape(n, 6, len(hand), size)
+    for i in range(n):
+        sliding = np.matmul(omega[i, hand], axes[i].T)
+        result[i, :3, :, size + 2 * i : size + 2 * i + 2] = sliding.transpose(1, 0, 2)
+    return result

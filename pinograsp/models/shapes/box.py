@@ -1,0 +1,45 @@
+"""A box: outside, the distance to the nearest point of it; inside, minus the depth below the nearest face."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import coal
+import numpy as np
+
+from ...arrays import Array
+from ...descriptions.shapes import Box
+
+
+class BoxSurface:
+    """Geometry of a box around the origin, edges along the axes."""
+
+    def __init__(self, shape: Box) -> None:
+        self._half = 0.5 * np.array(shape.size)
+        self.radius = float(np.linalg.norm(self._half))
+        self.least_width = min(shape.size)
+
+    def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance, gradient and Hessian; the Hessian is not zero only outside, off edges and corners."""
+        over = np.abs(points) - self._half
+        signs = np.where(points < 0, -1.0, 1.0)
+        beyond = np.maximum(over, 0.0)
+        outside = np.sqrt((beyond * beyond).sum(axis=1))
+        distances = np.where(outside > 0, outside, over.max(axis=1))
+        nearest_face = np.eye(3)[over.argmax(axis=1)]
+        length = np.where(outside > 0, outside, 1.0)[:, None]
+        gradients = signs * np.where(outside[:, None] > 0, beyond / length, nearest_face)
+        active = (beyond > 0).astype(float)
+        hessians = active[:, :, None] * np.eye(3) - gradients[:, :, None] * gradients[:, None, :]
+        hessians *= np.where(outside > 0, 1.0 / length[:, 0], 0.0)[:, None, None]
+        return distances, gradients, hessians
+
+    def extent(self, direction: Array) -> float:
+        """Return the sum of half edges times |direction|."""
+        return float(self._half @ np.abs(direction))
+
+    def coal_shape(self) -> Any:
+        """Return a coal.Box."""
+        geometry = coal.Box(*(2.0 * self._half))
+        geometry.computeLocalAABB()
+        return geometry

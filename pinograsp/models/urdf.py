@@ -1,0 +1,164 @@
+"""The URDF as Pinocchio gets it: checked, mounted, with meshes found and continuous joints made revolute.
+
+Everything happens on the XML in memory:
+
+- a new root link carries the robot's root link at the mounting pose, so that joints, frames and geometry
+  are mounted together;
+- continuous joints become revolute with +-2 pi: Pinocchio would describe them by (cos, sin), which an
+  optimiser with bounds cannot use, and forward kinematics are the same;
+- mesh addresses become absolute paths, found only in the folders that the robot file allows.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..descriptions import RobotDescription
+from ..descriptions.locate import resolve
+from ..errors import InputError, close_names
+
+MOUNT = "pinograsp_mounting"
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: angle = multiplier * leader + offset."""
+
+    leader: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class RobotUrdf:
+    """A prepared URDF."""
+
+    xml: str
+    links: tuple[str, ...]
+    movable: dict[str, str]
+    """Movable joints of the URDF, name to type as written there (revolute, continuous, prismatic)."""
+    mimics: dict[str, Mimic]
+    disabled_pairs: frozenset[frozenset[str]]
+    """Pairs of links that the SRDF takes out of self-collision checks."""
+
+
+def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) -> RobotUrdf:
+    """Read, check and mount the URDF of a robot.
+
+    Args:
+        description: the robot file.
+        T_world_root: pose of the URDF's root link in the world, shape (4, 4).
+
+    Raises:
+        InputError: the URDF or SRDF cannot be parsed, or a mesh is not found.
+    """
+    file = description.urdf_file
+    root = _parse(file, "robot")
+    links = tuple(link.get("name", "") for link in root.findall("link"))
+    movable: dict[str, str] = {}
+    mimics: dict[str, Mimic] = {}
+    for joint in root.findall("joint"):
+        name, kind = joint.get("name", ""), joint.get("type", "")
+        if kind in {"revolute", "continuous", "prismatic"}:
+            movable[name] = kind
+        elif kind != "fixed":
+            raise InputError(
+                f"joint type {kind!r} is not supported",
+                file=file,
+                key=name,
+                remedy="Use revolute, continuous, prismatic or fixed",
+            )
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            mimics[name] = Mimic(
+                mimic.get("joint", ""), float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0"))
+            )
+            joint.remove(mimic)
+        if kind == "continuous":
+            _bound(joint)
+    _find_meshes(root, description)
+    _mount(root, T_world_root)
+    return RobotUrdf(ET.tostring(root, encoding="unicode"), links, movable, mimics, _disabled_pairs(description))
+
+
+def _parse(file: object, tag: str) -> ET.Element:
+    try:
+        root = ET.parse(str(file)).getroot()
+    except ET.ParseError as error:
+        raise InputError(f"is not valid XML: {error}", file=str(file)) from None
+    if root.tag != tag:
+        raise InputError(f"holds <{root.tag}>, not <{tag}>", file=str(file), remedy="If it is xacro, run xacro first")
+    return root
+
+
+def _bound(joint: ET.Element) -> None:
+    joint.set("type", "revolute")
+    limit = joint.find("limit")
+    if limit is None:
+        limit = ET.SubElement(joint, "limit", effort="0", velocity="0")
+    limit.set("lower", repr(-2 * math.pi))
+    limit.set("upper", repr(2 * math.pi))
+
+
+def _find_meshes(root: ET.Element, description: RobotDescription) -> None:
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+        for mesh in link.iterfind("collision/geometry/mesh"):
+            address = mesh.get("filename", "")
+            found = resolve(address, beside=description.urdf_file, folders=description.folders)
+            if found is None:
+                raise InputError(
+                    f"mesh {address} was not found",
+                    file=description.urdf_file,
+                    key=f"link {link.get('name')}",
+                    remedy="Looked in " + ", ".join(str(folder) for folder in description.folders)
+                    + "; name further folders under `packages` in the robot file",
+                )
+            mesh.set("filename", str(found))
+
+
+def _mount(root: ET.Element, T: NDArray[np.float64]) -> None:
+    children = {joint.find("child").get("link") for joint in root.findall("joint")}  # type: ignore[union-attr]
+    base = next(link.get("name", "") for link in root.findall("link") if link.get("name") not in children)
+    R = T[:3, :3]
+    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
+    if math.hypot(R[0, 0], R[1, 0]) > 1e-9:
+        roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
+    else:
+        roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
+    ET.SubElement(root, "link", name=MOUNT)
+    joint = ET.SubElement(root, "joint", name=f"{MOUNT}_joint", type="fixed")
+    ET.SubElement(
+        joint,
+        "origin",
+        xyz=" ".join(repr(float(v)) for v in T[:3, 3]),
+        rpy=" ".join(repr(v) for v in (roll, pitch, yaw)),
+    )
+    ET.SubElement(joint, "parent", link=MOUNT)
+    ET.SubElement(joint, "child", link=base)
+
+
+def _disabled_pairs(description: RobotDescription) -> frozenset[frozenset[str]]:
+    if description.srdf_file is None:
+        return frozenset()
+    root = _parse(description.srdf_file, "robot")
+    return frozenset(
+        frozenset((pair.get("link1", ""), pair.get("link2", ""))) for pair in root.findall("disable_collisions")
+    )
+
+
+def require(name: str, known: list[str], what: str, key: str, description: RobotDescription) -> None:
+    """Raise an InputError unless the URDF has a joint or link of this name."""
+    if name not in known:
+        raise InputError(
+            f"{what} {name!r} is not in {description.urdf_file.name}",
+            file=description.source,
+            key=key,
+            remedy=close_names(name, known),
+        )

@@ -1,0 +1,22 @@
+"""The physical quantities of the problem, one file each: value and Jacobian at a `State`.
+
+Whether a term is cost, equality or inequality is decided in `problem.assembly`.
+"""
+
+from .clearance import Clearance
+from .contact_gap import contact_gap
+from .desired_contacts import desired_contacts
+from .force_cost import force_cost
+from .residual import Residual
+from .tangency import tangency
+from .wrench_balance import unbalanced_wrench
+
+__all__ = [
+    "Clearance",
+    "Residual",
+    "contact_gap",
+    "desired_contacts",
+    "force_cost",
+    "tangency",
+    "unbalanced_wrench",
+]

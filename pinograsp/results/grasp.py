@@ -1,0 +1,98 @@
+"""A grasp and the result of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..verification.certificate import Certificate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The cost index (10): U = phi_mm2 + k V."""
+
+    U: float
+    phi_mm2: float
+    V: float
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact of a grasp; world frame, m and N."""
+
+    pad: str
+    link: str
+    point: Array
+    """Contact point, shape (3,)."""
+    normal: Array
+    """Outward normal of the object at the contact point, shape (3,)."""
+    force: Array
+    """Force on the object, shape (3,)."""
+    spin_torque: float
+    """Torque on the object about the pad's outward normal, N m; zero for a hard finger."""
+    desired_point: Array
+    """The desired contact point that this pad serves, shape (3,)."""
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One verified solution Q with everything derived from it."""
+
+    start: int
+    """Index of the start that found it."""
+    count: int
+    """How many starts found a near-identical grasp, this one included."""
+    joints: dict[str, float]
+    """Every movable joint of the URDF by name, rad (m), continuous joints within (-pi, pi]."""
+    q_arm: Array
+    """Arm joints in the order of the robot file, rad, shape (l,)."""
+    synergy: Array
+    """Hand synergies sigma, rad (m), shape (s,)."""
+    contact_parameters: Array
+    """q_c: contact parameters u, v of each pad in turn, m, shape (m,)."""
+    internal_forces: Array
+    """y: active internal forces in the basis E_s, N, shape (e_s,)."""
+    q_r: dict[str, float]
+    """Reference angles of the hand joints by name that squeeze with these forces, rad."""
+    cost: Cost
+    contacts: tuple[Contact, ...]
+    certificate: Certificate
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found: verified grasps sorted by U, and what became of every start."""
+
+    robot: str
+    scene: str
+    task: str
+    grasps: tuple[Grasp, ...]
+    starts: int
+    """Starts asked for."""
+    counts: dict[str, int]
+    """Starts per outcome; `reliable` counts the verified ones."""
+    blocked: dict[str, int]
+    """Per kind of constraint: how many starts it kept from being reliable (the worst violated one of each)."""
+    nearest_miss: dict[str, float] = field(default_factory=dict)
+    """Per kind of constraint: its least violation among the starts that it blocked."""
+    interrupted: bool = False
+    times: dict[str, float] = field(default_factory=dict)
+    """Seconds per stage; `solver_mean` is the mean of one start on one core."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+    """Package versions, hashes of the input files, seed and options."""
+
+    @property
+    def best(self) -> Grasp | None:
+        """The grasp of least U, or None."""
+        return self.grasps[0] if self.grasps else None
+
+    @property
+    def reliable(self) -> int:
+        """Number of starts that ended in a verified grasp."""
+        return self.counts.get("reliable", 0)

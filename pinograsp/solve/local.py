@@ -1,0 +1,177 @@
+"""One local solve with NLopt, and what became of it.
+
+NLopt raises RoundoffLimited and loses the point, ends with a success code on NaN, and may report success with
+violated constraints; so every evaluated point is recorded, the best one kept, and judged by its own violations.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import nlopt
+import numpy as np
+
+from ..arrays import Array
+from ..problem import Evaluation, GraspProblem, TaskModel
+from .projection import nearest_assignment, project
+
+Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
+ALGORITHMS: tuple[Algorithm, ...] = ("LD_SLSQP", "LN_COBYLA")
+Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
+_DEFAULT_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 150, "LN_COBYLA": 3000}
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """How each start is solved."""
+
+    algorithm: Algorithm = "LD_SLSQP"
+    max_evaluations: int | None = None
+    """Budget of evaluations a start; None: 150 for LD_SLSQP, 3000 for LN_COBYLA."""
+    tolerance: float = 1e-4
+    """Scaled violation that counts as feasible: 1 micrometre."""
+    cost_tolerance: float = 1e-9
+    """Absolute change of the scaled cost at which a solve stops: 1e-6 mm^2 in U."""
+    project: bool = True
+    """Whether a start is first projected on the contact conditions."""
+
+    @property
+    def budget(self) -> int:
+        """Evaluations a start."""
+        return self.max_evaluations or _DEFAULT_BUDGET[self.algorithm]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The best point that one start led to."""
+
+    start: int
+    outcome: Outcome
+    assignment: tuple[int, ...]
+    x: Array
+    violations: dict[str, tuple[float, str]]
+    """By name of constraint: violation (mm; relative for forces) and where."""
+    evaluations: int
+    seconds: float
+    message: str = ""
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the constraints hold to the solver's tolerance."""
+        return self.outcome in {"converged", "feasible"}
+
+    @property
+    def worst(self) -> tuple[str, float, str]:
+        """The most violated constraint: name, violation, where."""
+        name = max(self.violations, key=lambda key: self.violations[key][0])
+        return (name, *self.violations[name])
+
+
+@dataclass
+class _Recorder:
+    """Evaluates each point once and keeps the best: least violation first, then least cost."""
+
+    problem: GraspProblem
+    tolerance: float
+    evaluations: int = 0
+    last: Evaluation | None = None
+    best: Evaluation | None = None
+    _key: tuple[float, float] = field(default=(math.inf, math.inf))
+
+    def at(self, x: Array) -> Evaluation:
+        if self.last is None or not np.array_equal(x, self.last.x):
+            self.last = self.problem.evaluate(x.copy())
+            self.evaluations += 1
+            violation = self.last.violation
+            key = (max(violation - self.tolerance, 0.0), self.last.cost)
+            if math.isfinite(violation) and math.isfinite(self.last.cost) and key < self._key:
+                self.best, self._key = self.last, key
+        return self.last
+
+
+def solve(model: TaskModel, problems: dict[tuple[int, ...], GraspProblem], index: int, start: Array, options: SolverOptions) -> Solution:
+    """Solve from one start.
+
+    Args:
+        model: the task.
+        problems: problems by assignment; filled as they are needed.
+        index: number of the start.
+        start: posture (q_a, sigma), shape (l + s,).
+        options: how to solve.
+    """
+    began = time.perf_counter()
+    any_problem = problems.setdefault(_identity(model), GraspProblem(model, _identity(model)))
+    x = np.concatenate([start, _pad_centers(any_problem)])
+    assignment = nearest_assignment(model, any_problem.state(x))
+    problem = problems.get(assignment) or problems.setdefault(assignment, GraspProblem(model, assignment))
+    if options.project:
+        x = project(problem, x)
+    recorder = _Recorder(problem, options.tolerance)
+    code, message = _run(recorder, x, options)
+    seconds = time.perf_counter() - began
+    best = recorder.best
+    if best is None:
+        return Solution(index, "failed", assignment, x, {}, recorder.evaluations, seconds, message)
+    feasible = best.violation <= options.tolerance
+    outcome = _outcome(code, feasible)
+    violations = problem.violations(problem.state(best.x))
+    return Solution(index, outcome, assignment, best.x, violations, recorder.evaluations, seconds, message)
+
+
+def _outcome(code: int, feasible: bool) -> Outcome:
+    stopped_by_itself = code in {nlopt.SUCCESS, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED, nlopt.STOPVAL_REACHED}
+    if feasible:
+        return "converged" if stopped_by_itself else "feasible"
+    if code in {nlopt.MAXEVAL_REACHED, nlopt.MAXTIME_REACHED}:
+        return "budget spent"
+    return "infeasible" if stopped_by_itself or code == nlopt.ROUNDOFF_LIMITED else "failed"
+
+
+def _identity(model: TaskModel) -> tuple[int, ...]:
+    return tuple(range(len(model.desired_points)))
+
+
+def _pad_centers(problem: GraspProblem) -> Array:
+    size = problem.model.robot.posture_size
+    return 0.5 * (problem.lower[size:] + problem.upper[size:])
+
+
+def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
+    """Run NLopt from x; the recorder holds the outcome. Return NLopt's code and a message."""
+    problem = recorder.problem
+    optimizer = nlopt.opt(getattr(nlopt, options.algorithm), len(x))
+    optimizer.set_lower_bounds(problem.lower)
+    optimizer.set_upper_bounds(problem.upper)
+    optimizer.set_maxeval(options.budget)
+    optimizer.set_ftol_abs(options.cost_tolerance)
+    optimizer.set_xtol_rel(1e-10)
+
+    def cost(x: Array, gradient: Array) -> float:
+        evaluation = recorder.at(x)
+        if gradient.size:
+            gradient[:] = evaluation.cost_gradient
+        return evaluation.cost
+
+    def constraint(name: Literal["equalities", "inequalities"]) -> Any:
+        def values(result: Array, x: Array, gradient: Array) -> None:
+            residual = getattr(recorder.at(x), name)
+            result[:] = residual.values
+            if gradient.size:
+                gradient[:] = residual.jacobian
+
+        return values
+
+    optimizer.set_min_objective(cost)
+    tight = 0.1 * options.tolerance
+    optimizer.add_equality_mconstraint(constraint("equalities"), np.full(problem.equality_count, tight))
+    optimizer.add_inequality_mconstraint(constraint("inequalities"), np.full(problem.inequality_count, tight))
+    try:
+        optimizer.optimize(x)
+    except nlopt.RoundoffLimited:
+        return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
+    except (RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+        return int(nlopt.FAILURE), str(error) or type(error).__name__
+    return int(optimizer.last_optimize_result()), ""

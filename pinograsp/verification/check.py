@@ -1,0 +1,142 @@
+"""The verifier: a claim in, a certificate out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..descriptions import RobotDescription, SceneDescription
+from ..errors import InputError, close_names
+from .certificate import Certificate, Figure
+from .claim import Claim
+from .clearance import Placed, enclosure_figure, self_figure, shape_figure
+from .contacts import Pads, contact_figures
+from .forces import balance_figures, force_figures
+from .joints import joint_limits, limits_figure, mimic_figure
+from .kinematics import Kinematics, Poses, read_urdf
+from .meshes import read_meshes
+from .pairs import link_pairs
+from .shapes import PENETRATION, PlacedShape
+
+_LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
+
+
+class Verifier:
+    """Checks grasps of one robot at one task; reads URDF, SRDF and meshes once.
+
+    Args:
+        robot: the robot file.
+        scene: the scene file.
+        task_name: a task of the scene.
+
+    Raises:
+        InputError: a file is missing or cannot be read, or there is no such task.
+    """
+
+    def __init__(self, robot: RobotDescription, scene: SceneDescription, task_name: str) -> None:
+        self._task = scene.task(task_name)
+        self._pads = robot.pads
+        self._walls = scene.enclosure.walls
+        urdf = read_urdf(robot.urdf_file)
+        self._kinematics = Kinematics(urdf, scene.mounting.matrix, robot.urdf_file)
+        self._limits = joint_limits(self._kinematics.joints, robot)
+        self._meshes = read_meshes(urdf, robot)
+        self._enabled, self._never = link_pairs(self._meshes, self._kinematics, robot.srdf_file)
+        _require_known(robot, self._kinematics)
+        # Links fixed to the root do not move: whether the mounting is free is not a matter of the grasp.
+        self._moving = [mesh for mesh in self._meshes.values() if self._kinematics.moves(mesh.link)]
+        if not self._moving:
+            raise InputError(
+                "no moving link has collision geometry, nothing can be verified", file=robot.urdf_file
+            )
+        body = scene.objects[self._task.object]
+        self._center_of_mass = body.center_of_mass_world
+        self._target = PlacedShape(self._task.object, body)
+        obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
+        self._target_pairs = [(mesh, self._target) for mesh in self._meshes.values()]
+        self._obstacle_pairs = [(mesh, obstacle) for mesh in self._moving for obstacle in obstacles]
+
+    def check(self, claim: Claim) -> Certificate:
+        """Recompute every figure of a claim.
+
+        A claim with a number that is not finite gets figures that are all not a number.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        self._require_complete(claim)
+        numbers = [*claim.joints.values(), *claim.points.flat, *claim.forces.flat, *claim.spin_torques.flat]
+        if not (np.abs(numbers) < _LARGEST).all():  # false for nan too
+            figures = self._figures(self._rest())
+            where = "the claim holds numbers that are not finite"
+            return Certificate(tuple(replace(figure, value=math.nan, where=where) for figure in figures))
+        return Certificate(tuple(self._figures(claim)))
+
+    def _figures(self, claim: Claim) -> list[Figure]:
+        poses = self._kinematics.poses(claim.joints)
+        joints = self._kinematics.joints
+        figures = self._clearances(poses) + self._statics(claim, poses)
+        if self._limits:
+            figures.append(limits_figure(self._limits, claim.joints))
+        return [*figures, mimic_figure(joints, claim.joints)]
+
+    def _clearances(self, poses: Poses) -> list[Figure]:
+        margin = self._task.margin
+        placed = Placed(self._meshes, poses)
+        figures = [enclosure_figure(self._moving, self._walls, poses, margin.enclosure)]
+        if self._obstacle_pairs:
+            limit = margin.enclosure - 1e-6
+            figures.append(shape_figure("obstacle clearance", self._obstacle_pairs, placed, limit))
+        return [
+            *figures,
+            self_figure("self clearance", self._enabled, placed, margin.robot - 1e-6),
+            self_figure("self collision", self._never, placed, 0.0),
+            shape_figure("object clearance", self._target_pairs, placed, -PENETRATION),
+        ]
+
+    def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
+        pads = Pads.at(self._pads, poses)
+        inward = np.array([self._target.inward(point) for point in claim.points])
+        radius = self._target.radius_about(self._center_of_mass)
+        return [
+            *contact_figures(claim.points, inward, pads, self._target),
+            *balance_figures(claim, pads.normals, self._center_of_mass, radius, self._task),
+            *force_figures(claim, inward, self._pads, self._task),
+        ]
+
+    def _rest(self) -> Claim:
+        """Return a claim of zeros, which has every figure."""
+        contacts = len(self._pads)
+        joints = {joint.name: 0.0 for joint in self._kinematics.joints}
+        return Claim(joints, np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(contacts))
+
+    def _require_complete(self, claim: Claim) -> None:
+        for joint in self._kinematics.joints:
+            if joint.name not in claim.joints:
+                raise InputError(f"the claim gives no value for joint {joint.name}")
+        contacts = len(self._pads)
+        if claim.points.shape != (contacts, 3) or claim.forces.shape != (contacts, 3):
+            raise InputError(f"the claim must have points and forces of shape ({contacts}, 3), one a pad")
+        if claim.spin_torques.shape != (contacts,):
+            raise InputError(f"the claim must have spin torques of shape ({contacts},), one a pad")
+
+
+def _require_known(robot: RobotDescription, kinematics: Kinematics) -> None:
+    """Refuse a robot file that names joints or links which the URDF does not have."""
+    joints = {joint.name for joint in kinematics.joints}
+    used = {"arm": [*robot.arm.joints], "hand": [synergy.joint for synergy in robot.hand.synergies]}
+    for key, names in used.items():
+        for name in names:
+            if name not in joints:
+                remedy = close_names(name, sorted(joints))
+                raise InputError(
+                    f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy
+                )
+    for pad in robot.pads:
+        if pad.link not in kinematics.body:
+            remedy = close_names(pad.link, sorted(kinematics.body))
+            raise InputError(
+                f"the URDF has no link {pad.link!r}", file=robot.source, key="pads", remedy=remedy
+            )

@@ -1,0 +1,83 @@
+"""Figures of the contact points: on the object, on the pads, pads tangent to the object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..descriptions.robot import PadDescription
+from .certificate import Figure
+from .kinematics import Poses
+from .shapes import PENETRATION, PlacedShape
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pads:
+    """The pads at the link poses of one claim, world frame."""
+
+    names: tuple[str, ...]
+    origins: Array
+    """Shape (pads, 3), m."""
+    rotations: Array
+    """Shape (pads, 3, 3); columns x, y, outward normal."""
+    low: Array
+    """Least u, v, shape (pads, 2), m."""
+    high: Array
+    """Largest u, v, shape (pads, 2), m."""
+
+    @classmethod
+    def at(cls, pads: Sequence[PadDescription], poses: Poses) -> Pads:
+        """Place pads."""
+        links = [poses[pad.link] for pad in pads]
+        return cls(
+            names=tuple(pad.name for pad in pads),
+            origins=np.array(
+                [T[:3, :3] @ pad.patch.origin + T[:3, 3] for T, pad in zip(links, pads, strict=True)]
+            ),
+            rotations=np.array([T[:3, :3] @ pad.patch.rotation for T, pad in zip(links, pads, strict=True)]),
+            low=np.array([(pad.patch.u[0], pad.patch.v[0]) for pad in pads]),
+            high=np.array([(pad.patch.u[1], pad.patch.v[1]) for pad in pads]),
+        )
+
+    @property
+    def normals(self) -> Array:
+        """Outward normals, shape (pads, 3)."""
+        return self.rotations[:, :, 2]
+
+    def distances(self, points: Array) -> Array:
+        """Return the distance of point i, world, to the rectangle of pad i, shape (pads,), m."""
+        local = np.einsum("pji,pj->pi", self.rotations, points - self.origins)
+        nearest = np.zeros_like(local)
+        nearest[:, :2] = np.clip(local[:, :2], self.low, self.high)
+        return np.asarray(np.linalg.norm(local - nearest, axis=1))
+
+
+def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShape) -> list[Figure]:
+    """Return the figures of the contact points.
+
+    Args:
+        points: contact points, world, shape (contacts, 3), m.
+        inward: inward normals of the object there, world, shape (contacts, 3).
+        pads: the pads, contact i on pad i.
+        target: the object.
+    """
+    gaps = np.abs([target.distance(point) for point in points])
+    # Exact for small and large angles alike, which arccos is not.
+    tilts = 2 * np.arctan2(
+        np.linalg.norm(pads.normals - inward, axis=1), np.linalg.norm(pads.normals + inward, axis=1)
+    )
+    return [
+        _largest("contact gap", gaps, PENETRATION, "m", pads.names),
+        _largest("contact on pad", pads.distances(points), 1e-6, "m", pads.names),
+        _largest("pad tangency", tilts, 2e-3, "rad", pads.names),
+    ]
+
+
+def _largest(name: str, values: Array, limit: float, unit: str, pads: tuple[str, ...]) -> Figure:
+    worst = int(values.argmax())
+    return Figure(name, float(values[worst]), limit, unit, "at most", pads[worst])

@@ -1,0 +1,32 @@
+"""Colours (0xrrggbb) of the picture, their legend, and what is painted over what."""
+
+from __future__ import annotations
+
+FORCE = 0xD62728
+WRENCH = 0x1F4FD8
+CONE = 0x2CA02C
+DESIRED = 0x2F7BFF
+CONTACT = 0x111111
+OBJECT = 0xF2A33A
+OTHER = 0x9AA0A6
+WALL = 0x9DB8D2
+FLOOR = 0xD5DBE2
+EDGE = 0x7C8A99
+
+GLASS_LAYER, OBJECT_LAYER, CONE_LAYER, SYMBOL_LAYER = 0, 1, 2, 3
+"""Later layers are painted over earlier ones, see `symbols.Look`."""
+
+LEGEND = {
+    "contact force on the object": FORCE,
+    "external force at the centre of mass": WRENCH,
+    "friction cone": CONE,
+    "desired contact point": DESIRED,
+    "contact point": CONTACT,
+    "object": OBJECT,
+    "obstacles and other objects": OTHER,
+}
+
+
+def css(color: int) -> str:
+    """Return a colour as CSS writes it."""
+    return f"#{color:06x}"

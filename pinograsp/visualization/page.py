@@ -1,0 +1,133 @@
+"""The HTML page: meshcat's viewer, the drawing commands and a panel with the grasp's figures."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import gzip
+import json
+import os
+import struct
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+import umsgpack  # type: ignore[import-untyped]
+
+from ..descriptions import RobotDescription, SceneDescription
+from ..errors import InputError
+from ..results.grasp import Contact, Grasp
+from ..verification.certificate import Certificate, Figure
+from . import colors
+from .camera import View, close_up, whole_box, y_up
+from .viewer import viewer_javascript
+
+
+def page(
+    commands: list[dict[str, Any]],
+    grasp: Grasp,
+    robot: RobotDescription,
+    scene: SceneDescription,
+    task_name: str,
+    caption: str,
+) -> str:
+    """Return the page; it loads nothing from elsewhere.
+
+    Args:
+        commands: meshcat commands, in the order in which they are to be drawn.
+        grasp: the grasp that they draw.
+        robot: the robot file.
+        scene: the scene file.
+        task_name: the task in the scene.
+        caption: text below the figures.
+    """
+    task = scene.task(task_name)
+    box = whole_box(scene, task)
+    views = {"whole-box": box, "close-up": close_up(grasp, scene, task)}
+    template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
+    return template.substitute(
+        title=escape(f"{robot.name} / {scene.name} / {task_name}"),
+        robot=escape(robot.name),
+        scene=escape(scene.name),
+        task=escape(task_name),
+        costs=_costs(grasp),
+        contacts="".join(_contact(contact) for contact in grasp.contacts),
+        certificate=_certificate(grasp.certificate),
+        legend="".join(_legend_entry(text, color) for text, color in colors.LEGEND.items()),
+        caption=f"<p>{escape(caption)}</p>" if caption else "",
+        javascript=viewer_javascript(),
+        views=json.dumps({name: _view(view, box) for name, view in views.items()}),
+        commands=packed(commands),
+    )
+
+
+def packed(commands: list[dict[str, Any]]) -> str:
+    """Return commands as base64 of gzip of (length as little-endian uint32, msgpack) one after another."""
+    messages = [umsgpack.packb(command) for command in commands]
+    stream = b"".join(struct.pack("<I", len(message)) + message for message in messages)
+    return base64.b64encode(gzip.compress(stream, compresslevel=6, mtime=0)).decode("ascii")
+
+
+def write_atomically(file: Path, text: str) -> None:
+    """Write a file so that a reader finds the old one or the whole new one.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    partial = file.with_name(f".{file.name}.{os.getpid()}.part")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(file)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None
+    finally:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+
+
+def _view(view: View, origin: View) -> dict[str, list[float]]:
+    """Return a view in the viewer's coordinates, whose origin is the target of the first view."""
+    return {"position": y_up(view.position - origin.target), "target": y_up(view.target - origin.target)}
+
+
+def _row(*cells: str) -> str:
+    return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+
+
+def _costs(grasp: Grasp) -> str:
+    cost = grasp.cost
+    return "".join(
+        (
+            _row("U", f"{cost.U:.4g}", "cost index"),
+            _row("Φ", f"{cost.phi_mm2:.4g} mm²", "contacts from desired points"),
+            _row("V", f"{cost.V:.4g}", "forces in their cones"),
+        )
+    )
+
+
+def _contact(contact: Contact) -> str:
+    force = contact.force
+    components = ", ".join(f"{component:.2f}" for component in force)
+    spin = f", spin {1000 * contact.spin_torque:.1f} N mm" if contact.spin_torque else ""
+    return _row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
+
+
+def _certificate(certificate: Certificate) -> str:
+    verdict = "verified" if certificate.verified else "not verified"
+    rows = "".join(_figure(figure) for figure in certificate.figures)
+    return f"<caption>Certificate: {verdict}</caption>{rows}"
+
+
+def _figure(figure: Figure) -> str:
+    sign = "≥" if figure.sense == "at least" else "≤"
+    value = f"{figure.value:.4g} {sign} {figure.limit:.4g} {figure.unit}"
+    where = f"<small>{escape(figure.where)}</small>" if figure.where else ""
+    state = "holds" if figure.holds else "fails"
+    return f'<tr class="{state}"><td>{escape(figure.name)}{where}</td><td>{escape(value)}</td></tr>'
+
+
+def _legend_entry(text: str, color: int) -> str:
+    return f'<li><span style="background: {colors.css(color)}"></span>{escape(text)}</li>'

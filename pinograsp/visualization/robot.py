@@ -1,0 +1,68 @@
+"""The robot's visual meshes at the grasp's joint angles."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..descriptions import RobotDescription
+from ..errors import InputError
+from .viewer import Visualizer
+
+
+def draw_robot(
+    viewer: Visualizer, robot: RobotDescription, joints: dict[str, float], mounting: NDArray[np.float64]
+) -> None:
+    """Draw the robot below the node `robot`.
+
+    Args:
+        viewer: node of the viewer that holds the world.
+        robot: the robot file.
+        joints: every movable joint of the URDF by name, rad (m).
+        mounting: pose of the robot's root link in the world, shape (4, 4).
+
+    Raises:
+        InputError: a mesh is missing or unreadable, or a joint has no angle.
+    """
+    from pinocchio.visualize import MeshcatVisualizer
+
+    file = robot.urdf_file
+    try:
+        model = pin.buildModelFromUrdf(str(file))
+        folders = [str(folder) for folder in robot.folders]
+        visuals = pin.buildGeomFromUrdf(model, str(file), pin.GeometryType.VISUAL, package_dirs=folders)
+    except (ValueError, RuntimeError) as error:
+        raise InputError(f"cannot be drawn: {error}", file=file) from None
+    q = configuration(model, joints, robot)
+    painter = MeshcatVisualizer(model, None, visuals)
+    painter.initViewer(viewer)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", UserWarning)  # how Pinocchio says that it leaves a mesh out
+        try:
+            painter.loadViewerModel("robot")
+        except UserWarning as problem:
+            raise InputError(f"cannot be drawn: {problem}", file=file) from None
+    painter.display(q)
+    viewer["robot"].set_transform(mounting)
+
+
+def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescription) -> NDArray[np.float64]:
+    """Return Pinocchio's configuration, shape (nq,): (cos, sin) for a continuous joint, else the value.
+
+    Raises:
+        InputError: a joint has no angle.
+    """
+    q = pin.neutral(model)
+    for name, joint in zip(model.names[1:], model.joints[1:], strict=True):
+        if name not in joints:
+            raise InputError(f"the grasp has no angle for the joint {name!r}", file=robot.source)
+        angle = joints[name]
+        q[joint.idx_q : joint.idx_q + joint.nq] = (
+            (math.cos(angle), math.sin(angle)) if joint.nq == 2 else angle
+        )
+    return np.asarray(q)

@@ -1,0 +1,54 @@
+"""The glovebox, the obstacles and the objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions.scene import Body, Enclosure
+from ..descriptions.shapes import Box, Sphere
+from . import colors
+from .symbols import Look, Piece, box, box_edges, draw
+from .viewer import Visualizer, geometry
+
+SHAPES: dict[type, Callable[[Any], Piece]] = {
+    Sphere: lambda shape: Piece(geometry.Sphere(shape.radius), np.eye(4)),
+    Box: lambda shape: Piece(geometry.Box(list(shape.size)), np.eye(4)),
+}
+"""How each shape of the scene file is drawn, in its own frame."""
+
+WALL_THICKNESS = 0.004
+EDGE_RADIUS = 0.003
+
+
+def draw_scene(viewer: Visualizer, scene: SceneDescription, task: TaskDescription) -> None:
+    """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names."""
+    draw_enclosure(viewer["enclosure"], scene.enclosure)
+    draw_body(viewer["object"], scene.objects[task.object], Look(colors.OBJECT, 0.45, colors.OBJECT_LAYER))
+    for name, body in scene.bodies_besides(task).items():
+        draw_body(viewer["obstacles"][name], body, Look(colors.OTHER))
+
+
+def draw_body(node: Visualizer, body: Body, look: Look) -> None:
+    """Draw a shape at its pose."""
+    piece = SHAPES[type(body.shape)](body.shape)
+    draw(node, Piece(piece.geometry, body.pose.matrix @ piece.T), look)
+
+
+def draw_enclosure(node: Visualizer, enclosure: Enclosure) -> None:
+    """Draw six thin walls, outside of the room, and their edges; the floor is the least transparent."""
+    low, high = np.array(enclosure.min), np.array(enclosure.max)
+    glass = Look(colors.WALL, 0.10, colors.GLASS_LAYER)
+    floor = Look(colors.FLOOR, 0.65, colors.GLASS_LAYER)
+    for axis, letter in enumerate("xyz"):
+        for side, outside in (("min", -WALL_THICKNESS), ("max", WALL_THICKNESS)):
+            corners = [low.copy(), high.copy()]
+            face = corners[0 if side == "min" else 1][axis]
+            corners[0][axis], corners[1][axis] = sorted((face, face + outside))
+            is_floor = letter == "z" and side == "min"
+            draw(node[f"wall_{letter}_{side}"], box(*corners), floor if is_floor else glass)
+    for name, piece in box_edges(low, high, EDGE_RADIUS).items():
+        draw(node["edges"][name], piece, Look(colors.EDGE, 0.55, colors.GLASS_LAYER))

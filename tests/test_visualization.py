@@ -1,0 +1,272 @@
+"""The picture of a grasp: symbols, what is drawn, the page."""
+
+import base64
+import dataclasses
+import gzip
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from pinograsp.descriptions import load_robot_description, load_scene, shapes
+from pinograsp.errors import InputError
+from pinograsp.results.grasp import Contact, Cost, Grasp
+from pinograsp.verification.certificate import Certificate, Figure
+from pinograsp.visualization import camera, show, symbols, write_html
+from pinograsp.visualization.forces import LONGEST_ARROW
+from pinograsp.visualization.page import write_atomically
+from pinograsp.visualization.scene import SHAPES
+from pinograsp.visualization.viewer import Recorder, Visualizer
+
+KNUCKLE = 0.12
+FINGERS = {
+    "left_knuckle": 1,
+    "mimic_right_knuckle": -1,
+    "mimic_left_inner_knuckle": 1,
+    "mimic_right_inner_knuckle": -1,
+    "mimic_left_finger_tip": -1,
+    "mimic_right_finger_tip": 1,
+}
+ARM = (1.224, -0.638, 0.231, 1.344, 1.899, -1.698, 0.737 + math.pi / 2)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot_description("gen3_2f85")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("glovebox")
+
+
+@pytest.fixture(scope="module")
+def grasp(scene):
+    """Sim. 1 of the paper, roughly: the jaw closes along world y."""
+    center, radius = scene.objects["sphere"].center_of_mass_world, scene.objects["sphere"].shape.radius
+
+    def contact(pad, side):
+        n = np.array([0.0, side, 0.0])
+        point = center + radius * n
+        return Contact(pad, f"{pad}_tip", point, n, np.array([0.0, -3.63 * side, 1.0]), 0.0, point)
+
+    joints = {f"joint_{i}": angle for i, angle in enumerate(ARM, 1)}
+    joints |= {f"robotiq_85_{name}_joint": sign * KNUCKLE for name, sign in FINGERS.items()}
+    figures = (
+        Figure("enclosure clearance", 31.25, 5.0, "mm", "at least", "forearm <-> wall"),
+        Figure("force balance", 2e-3, 1e-6, "N", "at most"),
+    )
+    return Grasp(
+        start=0,
+        count=3,
+        joints=joints,
+        q_arm=np.array(ARM),
+        synergy=np.array([KNUCKLE]),
+        contact_parameters=np.zeros(4),
+        internal_forces=np.array([3.63]),
+        q_r={},
+        cost=Cost(2.1791, 0.0425, 2.1366),
+        contacts=(contact("left", 1.0), contact("right", -1.0)),
+        certificate=Certificate(figures),
+    )
+
+
+def drawn(grasp, robot, scene):
+    """Return meshcat's objects and transforms of a grasp by node, and the recorder."""
+    recorder = Recorder()
+    show(grasp, robot, scene, "sphere", Visualizer(window=recorder))
+    objects, transforms = {}, {}
+    for command in recorder.commands:
+        node = command["path"].removeprefix("/meshcat/pinograsp").lstrip("/")
+        if command["type"] == "set_object":
+            objects[node] = command["object"]
+        elif command["type"] == "set_transform":
+            transforms[node] = np.array(command["matrix"]).reshape(4, 4).T
+    return objects, transforms, recorder
+
+
+@pytest.fixture(scope="module")
+def picture(grasp, robot, scene):
+    return drawn(grasp, robot, scene)
+
+
+def ends(piece):
+    """Return where a frustum starts and ends in the world, by its pose."""
+    half = np.array([0.0, piece.geometry.height / 2, 0.0])
+    R, p = piece.T[:3, :3], piece.T[:3, 3]
+    return p - R @ half, p + R @ half
+
+
+DIRECTIONS = [*np.eye(3), *-np.eye(3), np.array([0.3, -0.2, 0.9]), np.array([1e-9, -1.0, 0.0])]
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS, ids=str)
+def test_arrow_goes_from_tail_to_tip(direction):
+    tail = np.array([0.8, 0.1, -0.2])
+    pieces = symbols.arrow(tail, tail + 0.1 * direction, 0.003)
+    start, neck = ends(pieces["shaft"])
+    head_start, tip = ends(pieces["head"])
+    np.testing.assert_allclose(start, tail, atol=1e-12)
+    np.testing.assert_allclose(tip, tail + 0.1 * direction, atol=1e-12)
+    np.testing.assert_allclose(neck, head_start, atol=1e-12)
+    assert pieces["head"].geometry.radiusTop == 0.0
+    for piece in pieces.values():
+        R = piece.T[:3, :3]
+        np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(R) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("axis", DIRECTIONS[:6], ids=str)
+def test_friction_cone_opens_from_the_apex_with_slope_mu(axis):
+    apex = np.array([0.1, 0.2, 0.3])
+    cone = symbols.friction_cone(apex, axis, mu=0.9, height=0.03)
+    point, rim = ends(cone)
+    np.testing.assert_allclose(point, apex, atol=1e-12)
+    np.testing.assert_allclose(rim, apex + 0.03 * axis, atol=1e-12)
+    assert cone.geometry.radiusBottom == 0.0
+    assert math.atan2(cone.geometry.radiusTop, cone.geometry.height) == pytest.approx(math.atan(0.9))
+
+
+def test_a_box_has_twelve_edges_of_its_lengths():
+    low, high = np.array([0.0, -1.0, 2.0]), np.array([0.5, 1.0, 5.0])
+    edges = symbols.box_edges(low, high, 0.01)
+    lengths = sorted(piece.geometry.height for piece in edges.values())
+    assert lengths == pytest.approx([0.5] * 4 + [2.0] * 4 + [3.0] * 4)
+
+
+def test_every_shape_of_a_scene_file_can_be_drawn():
+    union, *_ = get_args(shapes.Shape)
+    assert set(get_args(union)) == set(SHAPES)
+
+
+def test_everything_is_drawn(picture):
+    objects, transforms, _ = picture
+    expected = {"object", "wrench/shaft", "wrench/head"}
+    expected |= {f"enclosure/wall_{axis}_{side}" for axis in "xyz" for side in ("min", "max")}
+    for pad in ("left", "right"):
+        parts = ("desired", "point", "cone", "force/shaft", "force/head")
+        expected |= {f"contacts/{pad}/{part}" for part in parts}
+    assert expected <= set(objects)
+    assert expected <= set(transforms)
+    assert sum(node.startswith("robot/visuals/") for node in objects) == 17
+    assert sum(node.startswith("enclosure/edges/") for node in objects) == 12
+
+
+def test_the_robot_hangs_at_its_mounting_with_its_pads_at_the_contacts(picture, grasp, scene):
+    _, transforms, _ = picture
+    np.testing.assert_allclose(transforms["robot"], scene.mounting.matrix, atol=1e-12)
+    for contact in grasp.contacts:
+        tip = transforms["robot"] @ transforms[f"robot/visuals/robotiq_85_{contact.pad}_finger_tip_link_0"]
+        assert np.linalg.norm(tip[:3, 3] - contact.point) < 0.06
+
+
+def test_forces_end_at_the_contacts_in_one_scale(picture, grasp, scene):
+    objects, transforms, _ = picture
+    scale = LONGEST_ARROW / np.linalg.norm([3.63, 1.0])
+    for contact in grasp.contacts:
+        node = f"contacts/{contact.pad}/force/"
+        tip = head_end(objects, transforms, node)
+        np.testing.assert_allclose(tip, contact.point, atol=1e-9)
+    center = scene.objects["sphere"].center_of_mass_world
+    tip = head_end(objects, transforms, "wrench/")
+    np.testing.assert_allclose(tip, center + scale * np.array([0.0, 0.0, -2.0]), atol=1e-9)
+
+
+def head_end(objects, transforms, node):
+    height = objects[node + "head"]["geometries"][0]["height"]
+    return (transforms[node + "head"] @ np.array([0.0, height / 2, 0.0, 1.0]))[:3]
+
+
+def test_the_camera_is_outside_the_box_and_turns_about_its_target(picture, scene):
+    _, transforms, _ = picture
+    view = camera.whole_box(scene, scene.task("sphere"))
+    outside = [n @ view.position < d for n, d in scene.enclosure.walls.values()]
+    assert any(outside)
+    np.testing.assert_allclose(transforms[""][:3, 3], -view.target)
+
+
+def test_the_close_up_copes_with_contacts_above_each_other(grasp, scene):
+    center = scene.objects["sphere"].center_of_mass_world
+    shifts = (np.array([0.0, 0.0, 0.03]), np.array([0.0, 0.0, -0.03]))
+    contacts = tuple(
+        dataclasses.replace(contact, point=center + shift)
+        for contact, shift in zip(grasp.contacts, shifts, strict=True)
+    )
+    view = camera.close_up(dataclasses.replace(grasp, contacts=contacts), scene, scene.task("sphere"))
+    assert np.isfinite(view.position).all()
+
+
+def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, robot, scene, tmp_path):
+    file = tmp_path / "grasp.html"
+    write_html(grasp, robot, scene, "sphere", file, caption="<b>Sim. 1</b> & more")
+    page = file.read_text(encoding="utf-8")
+    for text in ("gen3_2f85", "glovebox", "2.179", "0.0425 mm²", "2.137", "(0.00, -3.63, 1.00) N", "3.77 N"):
+        assert text in page
+    assert "31.25 ≥ 5 mm" in page
+    assert "forearm &lt;-&gt; wall" in page
+    assert 'class="fails"><td>force balance' in page
+    assert "Certificate: not verified" in page
+    assert "&lt;b&gt;Sim. 1&lt;/b&gt; &amp; more" in page
+    assert not re.search(r"<(script|link|img|iframe)[^>]*(src|href)=", page)
+    assert list(tmp_path.iterdir()) == [file]
+
+    (commands,) = re.findall(r'draw\("([A-Za-z0-9+/=]+)"\)', page)
+    assert b"contacts/left/force/head" in gzip.decompress(base64.b64decode(commands))
+
+
+def test_an_old_page_is_replaced_and_a_failed_one_leaves_it(grasp, robot, scene, tmp_path):
+    file = tmp_path / "grasp.html"
+    file.write_text("old")
+    joints = {name: angle for name, angle in grasp.joints.items() if name != "joint_3"}
+    with pytest.raises(InputError, match="joint_3"):
+        write_html(dataclasses.replace(grasp, joints=joints), robot, scene, "sphere", file)
+    assert file.read_text() == "old"
+    write_atomically(file, "new")
+    assert file.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_errors_of_input(grasp, robot, scene, tmp_path):
+    with pytest.raises(InputError, match="no task 'ball'"):
+        write_html(grasp, robot, scene, "ball", tmp_path / "a.html")
+    (tmp_path / "file").touch()
+    for folder in ("missing", "file"):
+        with pytest.raises(InputError, match=r"a\.html: cannot be written: "):
+            write_atomically(tmp_path / folder / "a.html", "text")
+
+
+@pytest.mark.parametrize("content", [None, "this is not a mesh"])
+def test_a_mesh_that_cannot_be_read_is_an_error(grasp, robot, scene, tmp_path, content):
+    text = robot.urdf_file.read_text().replace("visual/forearm_link.dae", "visual/forearm.dae")
+    if content is not None:
+        mesh = tmp_path / "forearm.dae"
+        mesh.write_text(content)
+        text = re.sub(r'package://[^"]*/forearm\.dae', f"file://{mesh}", text)
+    (tmp_path / "robot.urdf").write_text(text)
+    description = re.sub("urdf: .*", "urdf: robot.urdf", robot.source.read_text())
+    (tmp_path / "robot.yaml").write_text(description)
+    broken = load_robot_description(tmp_path)
+    with pytest.raises(InputError, match="cannot be drawn"):
+        write_html(grasp, broken, scene, "sphere", tmp_path / "a.html")
+    assert not (tmp_path / "a.html").exists()
+
+
+def test_a_live_viewer_prints_nothing_and_ends_with_its_process():
+    code = (
+        "from pinograsp.visualization.viewer import live\n"
+        "viewer = live()\n"
+        "viewer['a'].set_transform()\n"
+        "assert viewer.url().startswith('http://127.0.0.1')\n"
+        "print(viewer.window.server_proc.pid)\n"
+    )
+    here = Path(__file__).parent.parent
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=20, check=True
+    )
+    assert run.stderr == ""
+    assert not Path(f"/proc/{int(run.stdout)}").exists()
