@@ -1,0 +1,54 @@
+"""pinograsp: verified optimal grasps for a robot arm and hand inside a narrow enclosure.
+
+    import pinograsp
+
+    robot = pinograsp.load_robot("gen3_2f85")
+    scene = pinograsp.load_scene("scenes/glovebox.yaml")
+    result = pinograsp.plan(robot, scene, task="sphere")
+    best = result.best
+"""
+
+from importlib.metadata import version as _version
+from pathlib import Path as _Path
+
+from .descriptions import load_robot_description as _load_robot_description
+from .descriptions import load_scene, shipped_robots, shipped_scenes
+from .errors import InputError, PinograspError
+from .models import RobotModel
+from .planner import Progress, plan
+from .results import Contact, Cost, Grasp, Result, read_json, write_json
+from .solve import SolverOptions
+from .verification import Certificate, Figure
+
+__version__ = _version("pinograsp")
+
+
+def load_robot(name: str | _Path) -> RobotModel:
+    """Read a robot file with its URDF, given by path, by folder or by the name of a shipped robot.
+
+    Raises:
+        InputError: a file is missing or wrong; the message names it, the key and the remedy.
+    """
+    return RobotModel(_load_robot_description(name))
+
+
+__all__ = [
+    "Certificate",
+    "Contact",
+    "Cost",
+    "Figure",
+    "Grasp",
+    "InputError",
+    "PinograspError",
+    "Progress",
+    "Result",
+    "RobotModel",
+    "SolverOptions",
+    "load_robot",
+    "load_scene",
+    "plan",
+    "read_json",
+    "shipped_robots",
+    "shipped_scenes",
+    "write_json",
+]

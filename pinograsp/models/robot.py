@@ -80,13 +80,18 @@ class RobotModel:
         """Return q of every movable joint in the model's order, rad (m), shape (nv,)."""
         return np.asarray(self.B @ posture + self.q_0)
 
+    def wrapped(self, posture: Array) -> Array:
+        """Return the posture with continuous arm joints wrapped to (-pi, pi]."""
+        result = posture.copy()
+        for i, name in enumerate(self.description.arm.joints):
+            if self.urdf.movable[name] == "continuous" and name not in self.description.arm.limits:
+                result[i] = _wrap(float(result[i]))
+        return result
+
     def joints_by_name(self, posture: Array) -> dict[str, float]:
-        """Return q by joint name, continuous joints wrapped to (-pi, pi]."""
-        q = self.joint_positions(posture)
-        return {
-            name: _wrap(float(value)) if self.urdf.movable[name] == "continuous" else float(value)
-            for name, value in zip(self.joint_names, q, strict=True)
-        }
+        """Return q by joint name, continuous arm joints wrapped to (-pi, pi]."""
+        q = self.joint_positions(self.wrapped(posture))
+        return dict(zip(self.joint_names, q.tolist(), strict=True))
 
     def _check_names(self) -> None:
         description, known = self.description, list(self.urdf.movable)

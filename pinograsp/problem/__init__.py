@@ -7,6 +7,7 @@ The active internal forces y belong to x as the minimiser of the nested problem 
 """
 
 from .assembly import Evaluation, GraspProblem
+from .checks import check_task
 from .state import State, TaskModel
 
-__all__ = ["Evaluation", "GraspProblem", "State", "TaskModel"]
+__all__ = ["Evaluation", "GraspProblem", "State", "TaskModel", "check_task"]

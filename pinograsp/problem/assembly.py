@@ -24,6 +24,7 @@ from .terms import (
     Residual,
     contact_gap,
     desired_contacts,
+    facing,
     force_cost,
     tangency,
     unbalanced_wrench,
@@ -32,6 +33,10 @@ from .terms import (
 COST_SCALE = 1e-3
 PER_METRE = 100.0
 """Constraint value per metre of violation."""
+FACING = 4.0
+"""Weight of the pads' directions in the projection, per radian."""
+PUSH = 0.3
+"""Weight of violated clearances against contacts in the projection."""
 UNBALANCED = 5e-4
 """Unbalanced part of the wrench that is let pass."""
 
@@ -73,11 +78,23 @@ class GraspProblem:
         return State(self.model, self._data, x, self.assignment)
 
     def contact_residual(self, x: Array) -> Residual:
-        """Return gap, tangency and distances from the desired points, scaled: what a start is projected on."""
+        """Return gap, direction of the pads and distances from the desired points, scaled for a projection."""
+        return self._contact_residual(self.state(x))
+
+    def contact_and_clearance_residual(self, x: Array) -> Residual:
+        """Return `contact_residual` and the violated part of every clearance (zero where it is kept)."""
         state = self.state(x)
+        clearance = self.clearance(state)
+        violated = clearance.values < 0.0
+        pushing = Residual(
+            np.where(violated, clearance.values, 0.0), clearance.jacobian * violated[:, None]
+        )
+        return _stack(self._contact_residual(state), _scaled(pushing, PUSH * PER_METRE))
+
+    def _contact_residual(self, state: State) -> Residual:
         return _stack(
             _scaled(contact_gap(state), PER_METRE),
-            _scaled(tangency(state), PER_METRE * self.model.load.rho),
+            _scaled(facing(state), FACING),
             _scaled(desired_contacts(state), PER_METRE),
         )
 

@@ -66,6 +66,18 @@ class Grasp:
 
 
 @dataclass(frozen=True)
+class Blocked:
+    """The starts whose most violated constraint was of one kind."""
+
+    starts: int
+    nearest_miss: float
+    """Least violation among them, in `unit`."""
+    unit: str
+    where: str
+    """Bodies, pad or figure of the nearest miss."""
+
+
+@dataclass(frozen=True)
 class Result:
     """What a run found: verified grasps sorted by U, and what became of every start."""
 
@@ -76,11 +88,13 @@ class Result:
     starts: int
     """Starts asked for."""
     counts: dict[str, int]
-    """Starts per outcome; `reliable` counts the verified ones."""
-    blocked: dict[str, int]
-    """Per kind of constraint: how many starts it kept from being reliable (the worst violated one of each)."""
-    nearest_miss: dict[str, float] = field(default_factory=dict)
-    """Per kind of constraint: its least violation among the starts that it blocked."""
+    """Starts per outcome of the solver: converged, feasible, infeasible, budget spent, failed."""
+    reliable: int
+    """Starts that ended in a grasp which the independent check verified."""
+    refuted: int
+    """Starts whose grasp the solver called feasible and the independent check refuted."""
+    blocked: dict[str, Blocked]
+    """What kept the other starts from being reliable, by kind of constraint."""
     interrupted: bool = False
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage; `solver_mean` is the mean of one start on one core."""
@@ -93,6 +107,6 @@ class Result:
         return self.grasps[0] if self.grasps else None
 
     @property
-    def reliable(self) -> int:
-        """Number of starts that ended in a verified grasp."""
-        return self.counts.get("reliable", 0)
+    def done(self) -> int:
+        """Number of starts that were solved."""
+        return sum(self.counts.values())

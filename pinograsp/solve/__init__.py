@@ -1,7 +1,7 @@
 """Starts and local solves: where to begin, projection on the contacts, NLopt, worker processes."""
 
-from .local import ALGORITHMS, Solution, SolverOptions, solve
-from .pool import Progress, solve_all
+from .local import ALGORITHMS, LocalSolver, Solution, SolverOptions
+from .pool import work
 from .starts import sample_starts
 
-__all__ = ["ALGORITHMS", "Progress", "Solution", "SolverOptions", "sample_starts", "solve", "solve_all"]
+__all__ = ["ALGORITHMS", "LocalSolver", "Solution", "SolverOptions", "sample_starts", "work"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import nlopt
@@ -42,6 +42,10 @@ class SolverOptions:
     def budget(self) -> int:
         """Evaluations a start."""
         return self.max_evaluations or _DEFAULT_BUDGET[self.algorithm]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the options as JSON data, the budget resolved."""
+        return {**asdict(self), "max_evaluations": self.budget}
 
 
 @dataclass(frozen=True)
@@ -92,33 +96,44 @@ class _Recorder:
         return self.last
 
 
-def solve(model: TaskModel, problems: dict[tuple[int, ...], GraspProblem], index: int, start: Array, options: SolverOptions) -> Solution:
-    """Solve from one start.
+class LocalSolver:
+    """Solves a task from one start after another; what one start gives does not depend on the others."""
 
-    Args:
-        model: the task.
-        problems: problems by assignment; filled as they are needed.
-        index: number of the start.
-        start: posture (q_a, sigma), shape (l + s,).
-        options: how to solve.
-    """
-    began = time.perf_counter()
-    any_problem = problems.setdefault(_identity(model), GraspProblem(model, _identity(model)))
-    x = np.concatenate([start, _pad_centers(any_problem)])
-    assignment = nearest_assignment(model, any_problem.state(x))
-    problem = problems.get(assignment) or problems.setdefault(assignment, GraspProblem(model, assignment))
-    if options.project:
-        x = project(problem, x)
-    recorder = _Recorder(problem, options.tolerance)
-    code, message = _run(recorder, x, options)
-    seconds = time.perf_counter() - began
-    best = recorder.best
-    if best is None:
-        return Solution(index, "failed", assignment, x, {}, recorder.evaluations, seconds, message)
-    feasible = best.violation <= options.tolerance
-    outcome = _outcome(code, feasible)
-    violations = problem.violations(problem.state(best.x))
-    return Solution(index, outcome, assignment, best.x, violations, recorder.evaluations, seconds, message)
+    def __init__(self, model: TaskModel, options: SolverOptions) -> None:
+        self._model = model
+        self._options = options
+        self._problems: dict[tuple[int, ...], GraspProblem] = {}
+
+    def problem(self, assignment: tuple[int, ...]) -> GraspProblem:
+        """Return the problem in which pad i serves desired point assignment[i]."""
+        if assignment not in self._problems:
+            self._problems[assignment] = GraspProblem(self._model, assignment)
+        return self._problems[assignment]
+
+    def solve(self, index: int, start: Array) -> Solution:
+        """Solve from one start.
+
+        Args:
+            index: number of the start.
+            start: posture (q_a, sigma), shape (l + s,).
+        """
+        began = time.perf_counter()
+        problem = self.problem(tuple(range(len(self._model.desired_points))))
+        centers = 0.5 * (problem.lower + problem.upper)[self._model.robot.posture_size :]
+        x = np.concatenate([start, centers])
+        assignment = nearest_assignment(self._model, problem.state(x))
+        problem = self.problem(assignment)
+        if self._options.project:
+            x = project(problem, x)
+        recorder = _Recorder(problem, self._options.tolerance)
+        code, message = _run(recorder, x, self._options)
+        best, count = recorder.best, recorder.evaluations
+        if best is None:
+            return Solution(index, "failed", assignment, x, {}, count, time.perf_counter() - began, message)
+        outcome = _outcome(code, best.violation <= self._options.tolerance)
+        violations = problem.violations(problem.state(best.x))
+        seconds = time.perf_counter() - began
+        return Solution(index, outcome, assignment, best.x, violations, count, seconds, message)
 
 
 def _outcome(code: int, feasible: bool) -> Outcome:
@@ -128,15 +143,6 @@ def _outcome(code: int, feasible: bool) -> Outcome:
     if code in {nlopt.MAXEVAL_REACHED, nlopt.MAXTIME_REACHED}:
         return "budget spent"
     return "infeasible" if stopped_by_itself or code == nlopt.ROUNDOFF_LIMITED else "failed"
-
-
-def _identity(model: TaskModel) -> tuple[int, ...]:
-    return tuple(range(len(model.desired_points)))
-
-
-def _pad_centers(problem: GraspProblem) -> Array:
-    size = problem.model.robot.posture_size
-    return 0.5 * (problem.lower[size:] + problem.upper[size:])
 
 
 def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
@@ -172,6 +178,6 @@ def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, st
         optimizer.optimize(x)
     except nlopt.RoundoffLimited:
         return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
-    except (RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+    except (nlopt.runtime_error, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         return int(nlopt.FAILURE), str(error) or type(error).__name__
     return int(optimizer.last_optimize_result()), ""

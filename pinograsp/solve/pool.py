@@ -1,0 +1,63 @@
+"""Independent pieces of work over worker processes.
+
+Pinocchio and Coal hold the interpreter lock, so processes it is; each builds what it needs once (`prepare`) and
+then handles items. Results come as they are done; what an item gives does not depend on the number of workers.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from typing import Any, TypeVar
+
+Item = TypeVar("Item")
+Outcome = TypeVar("Outcome")
+CHUNK = 8
+"""Items that a worker takes at a time."""
+
+_handle: Callable[[Any], Any]  # set once in every worker process
+
+
+def work(
+    prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item], workers: int
+) -> Iterator[Outcome]:
+    """Yield the outcome of every item, in any order.
+
+    Args:
+        prepare: builds the handler of items; must be picklable (a `functools.partial` of a module's function).
+        items: picklable pieces of work.
+        workers: number of processes; with 1 everything happens in this process.
+
+    Closing the generator, as an exception such as KeyboardInterrupt does, drops what has not begun.
+    """
+    if workers <= 1:
+        yield from map(prepare(), items)
+        return
+    chunks = [items[i : i + CHUNK] for i in range(0, len(items), CHUNK)]
+    # Forked workers need no `if __name__ == "__main__"` in the user's script.
+    method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
+    executor = ProcessPoolExecutor(
+        min(workers, len(chunks)) or 1,
+        mp_context=multiprocessing.get_context(method),
+        initializer=_begin,
+        initargs=(prepare,),
+    )
+    try:
+        futures = [executor.submit(_run_chunk, chunk) for chunk in chunks]
+        for future in as_completed(futures):
+            yield from future.result()
+    finally:
+        executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _begin(prepare: Callable[[], Callable[[Any], Any]]) -> None:
+    # Ctrl-C reaches the whole process group; only the parent acts on it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    global _handle
+    _handle = prepare()
+
+
+def _run_chunk(chunk: Sequence[Any]) -> list[Any]:
+    return [_handle(item) for item in chunk]

@@ -14,6 +14,7 @@ from ..models import forward
 from ..models.batch import WristChain
 from ..models.robot import RobotModel
 from ..problem import TaskModel
+from ..problem.hand_posture import preshape
 
 BLOCK = 20_000
 DRAWS_PER_START = 4_000
@@ -23,12 +24,12 @@ DRAWS_PER_START = 4_000
 def sample_starts(model: TaskModel, count: int, seed: int) -> Array:
     """Return up to `count` postures (q_a, sigma), shape (found, l + s), in the order of the draw.
 
-    Arm joints are uniform over their limits (continuous joints over one turn), synergies at mid-range. Fewer
-    are found only where the region can hardly be reached.
+    Arm joints are uniform over their limits (continuous joints over one turn), the hand is open as wide as
+    the desired points are apart. Fewer are found only where the region can hardly be reached.
     """
     rng = np.random.default_rng(seed)
     robot, task = model.robot, model.task
-    low, high = _sampling_range(robot)
+    low, high = _sampling_range(robot, preshape(robot, model.desired_points))
     data = robot.model.createData()
     chain = WristChain(robot)
     found: list[Array] = []
@@ -44,11 +45,10 @@ def sample_starts(model: TaskModel, count: int, seed: int) -> Array:
     return np.array(found).reshape(len(found), len(low))
 
 
-def _sampling_range(robot: RobotModel) -> tuple[Array, Array]:
+def _sampling_range(robot: RobotModel, synergies: Array) -> tuple[Array, Array]:
     low, high = robot.lower.copy(), robot.upper.copy()
     for i, name in enumerate(robot.description.arm.joints):
         if robot.urdf.movable[name] == "continuous":
             low[i], high[i] = max(low[i], -math.pi), min(high[i], math.pi)
-    middle = 0.5 * (low[robot.arm_size :] + high[robot.arm_size :])
-    low[robot.arm_size :] = high[robot.arm_size :] = middle
+    low[robot.arm_size :] = high[robot.arm_size :] = synergies
     return low, high

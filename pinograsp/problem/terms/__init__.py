@@ -8,7 +8,7 @@ from .contact_gap import contact_gap
 from .desired_contacts import desired_contacts
 from .force_cost import force_cost
 from .residual import Residual
-from .tangency import tangency
+from .tangency import facing, tangency
 from .wrench_balance import unbalanced_wrench
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Residual",
     "contact_gap",
     "desired_contacts",
+    "facing",
     "force_cost",
     "tangency",
     "unbalanced_wrench",

@@ -12,6 +12,19 @@ from ..state import State
 from .residual import Residual
 
 
+def facing(state: State) -> Residual:
+    """Return n_pad + n_object, shape (3 n,): zero only where a pad faces the surface and is tangent to it.
+
+    Not fit for an equality constraint (two of three components are independent there), but, unlike
+    `tangency`, not zero where a pad turns its back.
+    """
+    _, normals, hessians = state.surface
+    contacts = state.contacts
+    values = contacts.normals + normals
+    jacobian = contacts.d_normals + np.matmul(hessians, contacts.d_points)
+    return Residual(values.ravel(), jacobian.reshape(values.size, -1))
+
+
 def tangency(state: State) -> Residual:
     """Return n_object . (pad axes x, y), dimensionless, shape (2 n,).
 

@@ -1,0 +1,194 @@
+"""The whole way, from a robot file and a scene file to verified grasps."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from typing import get_args
+
+import numpy as np
+
+from .arrays import Array
+from .descriptions import SceneDescription
+from .models import RobotModel
+from .problem import TaskModel, check_task
+from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
+from .solve import LocalSolver, Solution, SolverOptions, sample_starts, work
+from .solve.local import Outcome
+from .verification import Certificate, Verifier
+
+DEFAULT_STARTS = 1304
+"""The paper's number of starts."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What one start came to."""
+
+    solution: Solution
+    certificate: Certificate | None
+    """Of a solution that the solver calls feasible."""
+    grasp: Grasp | None
+    """If the certificate verifies it."""
+    verify_seconds: float
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is."""
+
+    done: int
+    total: int
+    reliable: int
+    best_U: float
+    """Infinite until the first reliable grasp."""
+
+
+def plan(
+    robot: RobotModel,
+    scene: SceneDescription,
+    task: str,
+    *,
+    starts: int = DEFAULT_STARTS,
+    workers: int | None = None,
+    seed: int = 0,
+    options: SolverOptions | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Result:
+    """Find, verify and rank grasps.
+
+    The same seed gives the same grasps for any number of workers. Ctrl-C ends the search and returns what was
+    found until then.
+
+    Args:
+        robot: from `load_robot`; it is mounted where the scene says.
+        scene: from `load_scene`.
+        task: name of a task of the scene.
+        starts: number of starts.
+        workers: number of processes; None: one for each core.
+        seed: of the starts.
+        options: how each start is solved.
+        progress: called after every start.
+
+    Raises:
+        InputError: the task does not exist or makes no sense for this robot and scene.
+    """
+    began = time.perf_counter()
+    options = options or SolverOptions()
+    workers = workers or os.cpu_count() or 1
+    model = TaskModel(robot, scene, task)
+    check_task(model)
+    attempts: list[Attempt] = []
+    interrupted = False
+    times = {"prepare": time.perf_counter() - began}
+    try:
+        postures = sample_starts(model, starts, seed)
+        times["starts"] = time.perf_counter() - began - times["prepare"]
+        with closing(_attempts(robot, scene, task, options, postures, workers)) as running:
+            for attempt in running:
+                attempts.append(attempt)
+                if progress:
+                    progress(_progress(attempts, len(postures)))
+    except KeyboardInterrupt:
+        interrupted = True
+    times["total"] = time.perf_counter() - began
+    run = {"seed": seed, "workers": workers, "options": options.to_json()}
+    return _result(robot, scene, task, starts, attempts, interrupted, times, run)
+
+
+def _attempts(
+    robot: RobotModel, scene: SceneDescription, task: str, options: SolverOptions, postures: Array, workers: int
+) -> Iterator[Attempt]:
+    prepare = partial(_prepare, robot, scene, task, options)
+    return work(prepare, list(enumerate(postures)), workers)
+
+
+def _prepare(
+    robot: RobotModel, scene: SceneDescription, task: str, options: SolverOptions
+) -> Callable[[tuple[int, Array]], Attempt]:
+    """Build, in a worker, what handles one start after the other."""
+    solver = LocalSolver(TaskModel(robot, scene, task), options)
+    verifier = Verifier(robot.description, scene, task)
+
+    def attempt(item: tuple[int, Array]) -> Attempt:
+        index, posture = item
+        solution = solver.solve(index, posture)
+        if not solution.feasible:
+            return Attempt(solution, None, None, 0.0)
+        began = time.perf_counter()
+        state = solver.problem(solution.assignment).state(solution.x)
+        claim = claim_of(state)
+        certificate = verifier.check(claim)
+        grasp = grasp_of(index, state, claim, certificate) if certificate.verified else None
+        return Attempt(solution, certificate, grasp, time.perf_counter() - began)
+
+    return attempt
+
+
+def _progress(attempts: list[Attempt], total: int) -> Progress:
+    costs = [attempt.grasp.cost.U for attempt in attempts if attempt.grasp]
+    return Progress(len(attempts), total, len(costs), min(costs, default=float("inf")))
+
+
+def _result(
+    robot: RobotModel,
+    scene: SceneDescription,
+    task: str,
+    starts: int,
+    attempts: list[Attempt],
+    interrupted: bool,
+    times: dict[str, float],
+    run: dict[str, object],
+) -> Result:
+    outcomes = Counter(attempt.solution.outcome for attempt in attempts)
+    seconds = [attempt.solution.seconds for attempt in attempts]
+    grasps = [attempt.grasp for attempt in attempts if attempt.grasp]
+    if attempts:
+        times["solver_mean"] = float(np.mean(seconds))
+        times["solver_median"] = float(np.median(seconds))
+        times["verification_mean"] = float(np.mean([a.verify_seconds for a in attempts]))
+    return Result(
+        robot=robot.description.name,
+        scene=scene.name,
+        task=task,
+        grasps=merge(grasps),
+        starts=starts,
+        counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
+        reliable=len(grasps),
+        refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified),
+        blocked=_blocked(attempts),
+        interrupted=interrupted,
+        times=times,
+        provenance=provenance(robot.description, scene) | run,
+    )
+
+
+def _blocked(attempts: list[Attempt]) -> dict[str, Blocked]:
+    """Return, per kind of constraint, how many starts it blocked and the nearest miss."""
+    blocked: dict[str, Blocked] = {}
+    for attempt in sorted(attempts, key=lambda a: a.solution.start):
+        if attempt.grasp:
+            continue
+        kind, miss, unit, where = _obstacle(attempt)
+        known = blocked.get(kind)
+        if known is None or miss < known.nearest_miss:
+            blocked[kind] = Blocked((known.starts if known else 0) + 1, miss, unit, where)
+        else:
+            blocked[kind] = Blocked(known.starts + 1, known.nearest_miss, known.unit, known.where)
+    return blocked
+
+
+def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
+    """Return kind, violation, unit and place of what kept an attempt from being reliable."""
+    if attempt.certificate:
+        figure = attempt.certificate.refuted_by[0]
+        return f"check of {figure.name}", abs(figure.value - figure.limit), figure.unit, figure.where
+    if not attempt.solution.violations:
+        return "solver failure", 0.0, "", attempt.solution.message
+    kind, violation, where = attempt.solution.worst
+    return kind, violation, "" if kind == "forces" else "mm", where

