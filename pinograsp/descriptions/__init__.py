@@ -7,6 +7,7 @@
 from .locate import shipped_robots, shipped_scenes
 from .robot import RobotDescription, load_robot_description
 from .scene import SceneDescription, TaskDescription, load_scene
+from .schema import schema
 
 __all__ = [
     "RobotDescription",
@@ -14,6 +15,7 @@ __all__ = [
     "TaskDescription",
     "load_robot_description",
     "load_scene",
+    "schema",
     "shipped_robots",
     "shipped_scenes",
 ]

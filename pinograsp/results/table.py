@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import math
 
+from rich import box
 from rich.table import Table
 
 from .grasp import Result
 
 
 def grasp_table(result: Result, rows: int = 10) -> Table:
-    """Return a table of the best grasps."""
-    table = Table(title=f"{result.task}: best of {len(result.grasps)} verified grasps, {result.robot} in {result.scene}")
-    for heading in ("#", "found", "U", "Phi mm²", "V", "|force| N", "clearance mm", "arm joints rad"):
-        table.add_column(heading, justify="left" if heading.startswith("arm") else "right", no_wrap=True)
+    """Return a table of the best grasps that fits 80 columns with seven arm joints; clear is in mm."""
+    title = f"{result.task}: best of {len(result.grasps)} distinct grasps, {result.robot} in {result.scene}"
+    table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
+    for heading in ("", "found", "U", "Phi mm²", "V", "clear"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("   arm joints, degrees", no_wrap=True)
     for number, grasp in enumerate(result.grasps[:rows], 1):
-        forces = ", ".join(f"{math.dist(c.force, (0, 0, 0)):.3f}" for c in grasp.contacts)
-        angles = [f"{angle: .2f}" for angle in grasp.q_arm]
         table.add_row(
             str(number),
             f"{grasp.count}x",
-            f"{grasp.cost.U:.4f}",
-            f"{grasp.cost.phi_mm2:.2e}",
-            f"{grasp.cost.V:.4f}",
-            forces,
+            f"{grasp.cost.U:.4g}",
+            f"{grasp.cost.phi_mm2:.1e}",
+            f"{grasp.cost.V:.3f}",
             f"{1e3 * grasp.certificate['enclosure clearance'].value:.1f}",
-            " ".join(angles),
+            "".join(f"{math.degrees(angle):5.0f}" for angle in grasp.q_arm),
         )
     return table
 

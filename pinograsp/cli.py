@@ -1,0 +1,133 @@
+"""The command line: `pinograsp plan`, `pinograsp schema`, `pinograsp list`.
+
+Exit codes: 0 grasps were found, 1 none was found, 2 the input cannot be used, 130 interrupted (what was done until
+then is written).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from .descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
+from .errors import InputError
+from .models import RobotModel
+from .planner import DEFAULT_STARTS, Progress, plan
+from .results import Result, grasp_table, outcome_lines, write_json
+from .solve import SolverOptions
+from .solve.local import Algorithm
+
+NOTHING_FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=__doc__)
+
+
+def main() -> None:
+    """Run the command line; errors that the user can mend are one line, without a traceback."""
+    try:
+        app()
+    except InputError as error:
+        Console(stderr=True, soft_wrap=True).print(f"[bold red]error:[/] {_escaped(str(error))}", highlight=False)
+        raise SystemExit(BAD_INPUT) from None
+
+
+@app.callback()
+def _commands() -> None:
+    """Verified optimal grasps for a robot arm and hand inside a narrow enclosure."""
+
+
+@app.command("plan")
+def plan_command(
+    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a shipped scene.")],
+    task: Annotated[str, typer.Option(help="Name of a task of the scene.")],
+    robot: Annotated[str, typer.Option(help="Robot file or folder, or the name of a shipped robot.")] = "gen3_2f85",
+    starts: Annotated[int, typer.Option(min=1, help="Number of starts.")] = DEFAULT_STARTS,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
+    algorithm: Annotated[Algorithm, typer.Option(help="NLopt algorithm.")] = "LD_SLSQP",
+    max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the JSON and HTML files; by default out/.")] = None,
+    html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,
+) -> None:
+    """Find, verify and rank grasps; write them as JSON and the best one as an HTML page."""
+    console = Console()
+    robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
+    options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
+    with _bar(console) as bar:
+        row = bar.add_task("", total=starts, reliable=0, best="-")
+
+        def show(progress: Progress) -> None:
+            best = f"{progress.best_U:.4g}" if progress.reliable else "-"
+            bar.update(row, total=progress.total, completed=progress.done, reliable=progress.reliable, best=best)
+
+        result = plan(
+            robot_model, description, task, starts=starts, workers=workers, seed=seed, options=options, progress=show
+        )
+    _report(result, console)
+    folder = out or Path("out")
+    written = folder / f"{description.name}_{task}.json"
+    write_json(result, written)
+    console.print(f"written: {written}", highlight=False)
+    if html and result.best:
+        from .visualization import write_html
+
+        page = written.with_suffix(".html")
+        write_html(result.best, robot_model.description, description, task, page, caption=outcome_lines(result)[0])
+        console.print(f"written: {page}", highlight=False)
+    if result.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if not result.grasps:
+        raise typer.Exit(NOTHING_FOUND)
+
+
+@app.command("schema")
+def schema_command(kind: Annotated[Literal["robot", "scene"], typer.Argument(help="Which kind of file.")]) -> None:
+    """Print the JSON Schema of robot or scene files, for editors."""
+    typer.echo(json.dumps(schema(kind), indent=2))
+
+
+@app.command("list")
+def list_command() -> None:
+    """List the shipped robots and scenes, and the tasks of each scene."""
+    for name, file in shipped_robots().items():
+        typer.echo(f"robot {name}: {load_robot_description(file).description}")
+    for name, file in shipped_scenes().items():
+        scene = load_scene(file)
+        typer.echo(f"scene {name}: {scene.description}; tasks: {', '.join(scene.tasks)}")
+
+
+def _bar(console: Console) -> Bar:
+    """Return a progress bar with counts of reliable grasps and the best U."""
+    return Bar(
+        TextColumn("starts"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("reliable {task.fields[reliable]}, best U {task.fields[best]}"),
+        TimeRemainingColumn(),
+        console=console,
+    )
+
+
+def _report(result: Result, console: Console) -> None:
+    if result.grasps:
+        console.print(grasp_table(result))
+    else:
+        console.print("[bold]No verified grasp was found.[/]")
+    for line in outcome_lines(result):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    times = result.times
+    console.print(
+        f"{times['total']:.1f} s in all; a start takes {1e3 * times.get('solver_mean', 0):.1f} ms in the solver and "
+        f"{1e3 * times.get('verification_mean', 0):.1f} ms in the check, on one core",
+        highlight=False,
+    )
+
+
+def _escaped(text: str) -> str:
+    return text.replace("[", "\\[")
