@@ -1,11 +1,11 @@
 """pinograsp: verified optimal grasps for a robot arm and hand inside a narrow enclosure.
 
-    import pinograsp
+import pinograsp
 
-    robot = pinograsp.load_robot("gen3_2f85")
-    scene = pinograsp.load_scene("scenes/glovebox.yaml")
-    result = pinograsp.plan(robot, scene, task="sphere")
-    best = result.best
+robot = pinograsp.load_robot("gen3_2f85")
+scene = pinograsp.load_scene("scenes/glovebox.yaml")
+result = pinograsp.plan(robot, scene, task="sphere")
+best = result.best
 """
 
 from importlib.metadata import version as _version

@@ -39,7 +39,7 @@ def main() -> None:
 
 @app.callback()
 def _commands() -> None:
-    """Verified optimal grasps for a robot arm and hand inside a narrow enclosure."""
+    """Plan verified grasps for a robot arm and hand inside a narrow enclosure."""
 
 
 @app.command("plan")
@@ -67,7 +67,14 @@ def plan_command(
             bar.update(row, total=progress.total, completed=progress.done, reliable=progress.reliable, best=best)
 
         result = plan(
-            robot_model, description, task, starts=starts, workers=workers, seed=seed, options=options, progress=show
+            robot_model,
+            description,
+            task,
+            starts=starts,
+            workers=workers,
+            seed=seed,
+            options=options,
+            progress=show,
         )
     _report(result, console)
     folder = out or Path("out")
@@ -87,7 +94,9 @@ def plan_command(
 
 
 @app.command("schema")
-def schema_command(kind: Annotated[Literal["robot", "scene"], typer.Argument(help="Which kind of file.")]) -> None:
+def schema_command(
+    kind: Annotated[Literal["robot", "scene"], typer.Argument(help="Which kind of file.")],
+) -> None:
     """Print the JSON Schema of robot or scene files, for editors."""
     typer.echo(json.dumps(schema(kind), indent=2))
 

@@ -41,9 +41,7 @@ class InputError(PinograspError):
         return (_rebuild, (self.problem, self.file, self.line, self.key, self.remedy))
 
 
-def _rebuild(
-    problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None
-) -> InputError:
+def _rebuild(problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None) -> InputError:
     return InputError(problem, file=file, line=line, key=key, remedy=remedy)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -102,8 +102,13 @@ def plan(
 
 
 def _attempts(
-    robot: RobotModel, scene: SceneDescription, task: str, options: SolverOptions, postures: Array, workers: int
-) -> Iterator[Attempt]:
+    robot: RobotModel,
+    scene: SceneDescription,
+    task: str,
+    options: SolverOptions,
+    postures: Array,
+    workers: int,
+) -> Generator[Attempt]:
     prepare = partial(_prepare, robot, scene, task, options)
     return work(prepare, list(enumerate(postures)), workers)
 

@@ -55,9 +55,7 @@ def angles(verifier: Verifier, arm: Array, opening: float) -> dict[str, float]:
     }
 
 
-def random_angles(
-    verifier: Verifier, rng: np.random.Generator, opening: float | None = None
-) -> dict[str, float]:
+def random_angles(verifier: Verifier, rng: np.random.Generator, opening: float | None = None) -> dict[str, float]:
     limits = np.array([LIMITS.get(f"joint_{i}", math.pi) for i in range(1, 8)])
     opening = rng.uniform(0.0, 0.8) if opening is None else opening
     return angles(verifier, rng.uniform(-limits, limits), opening)
@@ -71,9 +69,7 @@ def configuration(model: pin.Model, joints: dict[str, float]) -> Array:
     q = pin.neutral(model)
     for name, angle in joints.items():
         joint = model.joints[model.getJointId(name)]
-        q[joint.idx_q : joint.idx_q + joint.nq] = (
-            angle if joint.nq == 1 else (math.cos(angle), math.sin(angle))
-        )
+        q[joint.idx_q : joint.idx_q + joint.nq] = angle if joint.nq == 1 else (math.cos(angle), math.sin(angle))
     return np.asarray(q)
 
 
@@ -160,9 +156,7 @@ def test_a_shape_inside_a_link_is_found() -> None:
         assert measure(cube(0.2), place(shape, np.array([0.03, 0.02, 0.0]))) == -math.inf
 
 
-@pytest.mark.parametrize(
-    ("offset", "expected"), [(0.0, -math.inf), (0.1, -math.inf), (0.14, 0.03), (0.5, 0.05)]
-)
+@pytest.mark.parametrize(("offset", "expected"), [(0.0, -math.inf), (0.1, -math.inf), (0.14, 0.03), (0.5, 0.05)])
 def test_distance_of_two_meshes(offset: float, expected: float) -> None:
     """A small cube inside a large one, through its side, beside it, far from it."""
     pair = (cube(0.2, "large"), cube(0.02, "small"))
@@ -179,9 +173,7 @@ def test_shapes_agree_on_distance_and_normal() -> None:
     for point in rng.uniform(0.0, 0.4, (20, 3)):
         foot = point + ball.distance(point) * ball.inward(point)
         assert np.linalg.norm(foot - ball.center) == pytest.approx(0.04)
-    body = Body.model_validate(
-        {"shape": {"type": "box", "size": [0.1, 0.2, 0.3]}, "pose": {"rpy": [0.1, 0.2, 0.3]}}
-    )
+    body = Body.model_validate({"shape": {"type": "box", "size": [0.1, 0.2, 0.3]}, "pose": {"rpy": [0.1, 0.2, 0.3]}})
     box, R = PlacedShape("box", body), body.pose.matrix[:3, :3]
     np.testing.assert_allclose(box.inward(R @ [0.0, 0.1, 0.05]), -R[:, 1], atol=1e-12)
     assert box.distance(R @ [0.05, 0.1, 0.15]) == pytest.approx(0.0, abs=1e-12)
@@ -208,9 +200,7 @@ def test_primitive_collision_geometry_holds_the_true_shape(robot: RobotDescripti
 def test_missing_mesh_names_urdf_link_and_folders(robot: RobotDescription) -> None:
     mesh = SimpleNamespace(filename="package://nowhere/arm.stl", scale=None)
     geometry = SimpleNamespace(mesh=mesh, box=None, sphere=None, cylinder=None)
-    with pytest.raises(
-        InputError, match=r"kinova_robotiq\.urdf.*nowhere/arm\.stl of link forearm.*Looked in /"
-    ):
+    with pytest.raises(InputError, match=r"kinova_robotiq\.urdf.*nowhere/arm\.stl of link forearm.*Looked in /"):
         _placed(SimpleNamespace(geometry=geometry, origin=None), "forearm", robot)
 
 
@@ -250,9 +240,7 @@ class Case:
             "shape": {"type": "sphere", "radius": self.radius},
             "pose": {"position": self.center.tolist()},
         }
-        return scene_with(
-            enclosure=ROOM, objects={"sphere": ball}, tasks={"sphere": given | {"wrench": wrench} | task}
-        )
+        return scene_with(enclosure=ROOM, objects={"sphere": ball}, tasks={"sphere": given | {"wrench": wrench} | task})
 
     def check(self, scene: SceneDescription, **changes: Any) -> Certificate:
         return Verifier(self.robot, scene, "sphere").check(replace(self.claim, **changes))
@@ -374,9 +362,7 @@ def test_balance_is_not_judged_where_the_task_says_so(case: Case) -> None:
 def test_arm_through_a_wall(case: Case) -> None:
     wall = float(case.center[2])
     room = {"min": [-3.0, -3.0, wall], "max": ROOM["max"]}
-    certificate = case.check(
-        case.scene().model_copy(update={"enclosure": scene_with(enclosure=room).enclosure})
-    )
+    certificate = case.check(case.scene().model_copy(update={"enclosure": scene_with(enclosure=room).enclosure}))
     assert names(certificate) == {"enclosure clearance"}
     assert certificate["enclosure clearance"].where.endswith(f"wall z={wall:g}")
 
@@ -387,9 +373,7 @@ def test_obstacles(case: Case, verifier: Verifier, shape: dict[str, Any]) -> Non
     scenes = []
     for position in (forearm, case.center + 1.5):
         obstacle = {"shape": shape, "pose": {"position": list(position)}}
-        scenes.append(
-            SceneDescription.model_validate(case.scene().model_dump() | {"obstacles": {"bar": obstacle}})
-        )
+        scenes.append(SceneDescription.model_validate(case.scene().model_dump() | {"obstacles": {"bar": obstacle}}))
     hit, free = (case.check(scene) for scene in scenes)
     assert names(hit) == {"obstacle clearance"}
     assert hit["obstacle clearance"].where == "forearm_link / bar"
@@ -453,9 +437,7 @@ def test_without_srdf_adjacent_links_are_left_out(robot: RobotDescription) -> No
     assert not bare._never
     assert frozenset(("shoulder_link", "half_arm_1_link")) not in pairs  # one joint
     assert frozenset(("bracelet_link", "robotiq_85_base_link")) not in pairs  # one body
-    assert (
-        frozenset(("spherical_wrist_2_link", "robotiq_85_base_link")) not in pairs
-    )  # one joint between bodies
+    assert frozenset(("spherical_wrist_2_link", "robotiq_85_base_link")) not in pairs  # one joint between bodies
     assert frozenset(("base_link", "half_arm_1_link")) in pairs
 
 

@@ -265,8 +265,6 @@ def test_a_live_viewer_prints_nothing_and_ends_with_its_process():
         "print(viewer.window.server_proc.pid)\n"
     )
     here = Path(__file__).parent.parent
-    run = subprocess.run(
-        [sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=20, check=True
-    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=20, check=True)
     assert run.stderr == ""
     assert not Path(f"/proc/{int(run.stdout)}").exists()

@@ -35,7 +35,7 @@ class ArmDescription(Frozen):
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
     wrist: Name
     """Link whose origin says where the wrist is (its z axis is the approach direction)."""
-    limits: dict[Name, Interval] = {}
+    limits: dict[Name, Interval] = Field(default_factory=dict)
     """Limits in rad (m) that replace those of the URDF. A continuous joint has +-2 pi if none is given."""
 
     @field_validator("limits")

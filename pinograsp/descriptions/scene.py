@@ -66,8 +66,8 @@ class Enclosure(Frozen):
         walls: dict[str, tuple[NDArray[np.float64], float]] = {}
         for axis, letter in enumerate("xyz"):
             inward = np.eye(3)[axis]
-            walls[f"wall {letter}="f"{self.min[axis]:g}"] = (inward, self.min[axis])
-            walls[f"wall {letter}="f"{self.max[axis]:g}"] = (-inward, -self.max[axis])
+            walls[f"wall {letter}={self.min[axis]:g}"] = (inward, self.min[axis])
+            walls[f"wall {letter}={self.max[axis]:g}"] = (-inward, -self.max[axis])
         return walls
 
 
@@ -157,7 +157,7 @@ class SceneDescription(FileRoot):
     enclosure: Enclosure
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
-    obstacles: dict[Name, Body] = {}
+    obstacles: dict[Name, Body] = Field(default_factory=dict)
     objects: dict[Name, ObjectDescription]
     tasks: dict[Name, TaskDescription]
 

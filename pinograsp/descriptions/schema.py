@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from pydantic import BaseModel
+
 from .robot import RobotDescription
 from .scene import SceneDescription
 
-_MODELS = {"robot": RobotDescription, "scene": SceneDescription}
+_MODELS: dict[str, type[BaseModel]] = {"robot": RobotDescription, "scene": SceneDescription}
 
 
 def schema(kind: Literal["robot", "scene"]) -> dict[str, Any]:
@@ -16,4 +18,8 @@ def schema(kind: Literal["robot", "scene"]) -> dict[str, Any]:
     for internal in ("source", "digest"):  # set by the reader, never written in a file
         result["properties"].pop(internal)
         result["required"].remove(internal)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **result, "title": f"pinograsp {kind} file"}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **result,
+        "title": f"pinograsp {kind} file",
+    }

@@ -112,4 +112,3 @@ class ContactDerivatives:
     """Shape (n, 3, v)."""
     jacobians: Array
     """Shape (n, 6, h, v)."""
-

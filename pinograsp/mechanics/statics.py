@@ -102,16 +102,16 @@ def grasp_statics(contacts: Contacts, models: ContactModels, hand: Hand, load: L
     for i, row in zip(models.soft, models.spin_rows, strict=True):
         G[3:, row] = contacts.normals[i] / load.rho
         J[row] = contacts.normals[i] @ contacts.jacobians[i, 3:]
-    K = np.linalg.inv(models.structural_compliance + (J * hand.joint_compliance) @ J.T)
+    K = np.asarray(np.linalg.inv(models.structural_compliance + (J * hand.joint_compliance) @ J.T), dtype=float)
     KGt = K @ G.T
     inverse = _pseudo_inverse(G @ KGt)
     G_K_R = KGt @ inverse
-    KJS = K @ (J @ hand.synergies)
-    F_s = KJS - G_K_R @ (G @ KJS)
+    KJS = np.asarray(K @ (J @ hand.synergies))
+    F_s: Array = KJS - G_K_R @ (G @ KJS)
     E_s, to_synergies = _internal_basis(F_s, KJS, models, contacts.normals)
     wrench = load.scaled
-    f_p = -G_K_R @ wrench
-    residual = wrench + G @ f_p
+    f_p = np.asarray(-G_K_R @ wrench)
+    residual = np.asarray(wrench + G @ f_p)
     return Statics(hand, load, G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, residual)
 
 
@@ -133,4 +133,4 @@ def _internal_basis(F_s: Array, KJS: Array, models: ContactModels, normals: Arra
     kept = values > RANK_TOLERANCE * np.abs(KJS).max()
     E, back = U[:, kept], Vt[kept].T / values[kept]
     signs = np.where((normals.ravel() @ E[models.force_rows.ravel()]) < 0, -1.0, 1.0)
-    return E * signs, back * signs
+    return np.asarray(E * signs), np.asarray(back * signs)

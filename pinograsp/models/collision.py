@@ -124,7 +124,11 @@ class CollisionModel:
 
     def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:
         """Return distances (k,), witness points on the first bodies (k, 3) and normals (k, 3)."""
-        values, points, normals = np.empty(len(indices)), np.empty((len(indices), 3)), np.empty((len(indices), 3))
+        values, points, normals = (
+            np.empty(len(indices)),
+            np.empty((len(indices), 3)),
+            np.empty((len(indices), 3)),
+        )
         poses: dict[int, Any] = {}
         for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
             R, local = rotations[solid], self._placements[solid]

@@ -79,7 +79,9 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
     joints = np.array([pad.joint for pad in robot.pads])
     frames = np.matmul(configuration.rotations[joints], np.array([pad.rotation for pad in robot.pads]))
     local = np.array([pad.translation for pad in robot.pads])
-    origins = np.matmul(configuration.rotations[joints], local[:, :, None])[:, :, 0] + configuration.translations[joints]
+    origins = (
+        np.matmul(configuration.rotations[joints], local[:, :, None])[:, :, 0] + configuration.translations[joints]
+    )
     axes = frames[:, :, :2].transpose(0, 2, 1)
     normals = frames[:, :, 2]
     points = origins + np.matmul(frames[:, :, :2], parameters[:, :, None])[:, :, 0]
@@ -102,7 +104,7 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
 
 def _turned(vectors: Array, angular: Array) -> Array:
     """Return omega_k x vector for every pad and joint, shape (n, 3, nv)."""
-    return -np.matmul(skew(vectors), angular)
+    return np.asarray(-np.matmul(skew(vectors), angular))
 
 
 def _with_parameters(by_posture: Array, axes: Array | None) -> Array:

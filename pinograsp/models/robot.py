@@ -74,7 +74,7 @@ class RobotModel:
     @property
     def posture_size(self) -> int:
         """Number of arm joints and synergies, l + s."""
-        return self.B.shape[1]
+        return int(self.B.shape[1])
 
     def joint_positions(self, posture: Array) -> Array:
         """Return q of every movable joint in the model's order, rad (m), shape (nv,)."""
@@ -124,7 +124,7 @@ class RobotModel:
         given = dict(self.description.arm.limits)
         given |= {s.joint: s.limits for s in self.description.hand.synergies if s.limits is not None}
         names = [*self.description.arm.joints, *(s.joint for s in self.description.hand.synergies)]
-        limits = []
+        limits: list[tuple[float, float]] = []
         for name in names:
             index = self.model.joints[self.model.getJointId(name)].idx_q
             from_urdf = (self.model.lowerPositionLimit[index], self.model.upperPositionLimit[index])
@@ -132,7 +132,7 @@ class RobotModel:
             if not (math.isfinite(lower) and math.isfinite(upper) and lower < upper):
                 self._refuse(f"joint {name!r} has no usable limits", "arm.limits", "Give them in the robot file")
             limits.append((lower, upper))
-        array = np.array(limits)
+        array: Array = np.array(limits)
         return array[:, 0], array[:, 1]
 
     def _supports(self) -> Array:

@@ -117,7 +117,8 @@ def _find_meshes(root: ET.Element, description: RobotDescription) -> None:
                     f"mesh {address} was not found",
                     file=description.urdf_file,
                     key=f"link {link.get('name')}",
-                    remedy="Looked in " + ", ".join(str(folder) for folder in description.folders)
+                    remedy="Looked in "
+                    + ", ".join(str(folder) for folder in description.folders)
                     + "; name further folders under `packages` in the robot file",
                 )
             mesh.set("filename", str(found))

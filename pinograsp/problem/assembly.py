@@ -86,9 +86,7 @@ class GraspProblem:
         state = self.state(x)
         clearance = self.clearance(state)
         violated = clearance.values < 0.0
-        pushing = Residual(
-            np.where(violated, clearance.values, 0.0), clearance.jacobian * violated[:, None]
-        )
+        pushing = Residual(np.where(violated, clearance.values, 0.0), clearance.jacobian * violated[:, None])
         return _stack(self._contact_residual(state), _scaled(pushing, PUSH * PER_METRE))
 
     def _contact_residual(self, state: State) -> Residual:
@@ -145,7 +143,7 @@ class GraspProblem:
 
 def _saturated(V: float, strict: float) -> tuple[float, float]:
     """Return psi(V) and its slope."""
-    return (V, 1.0) if V <= strict else (strict * (1.0 + math.log(V / strict)), strict / V)
+    return (V, 1.0) if strict >= V else (strict * (1.0 + math.log(V / strict)), strict / V)
 
 
 def _scaled(residual: Residual, scale: float) -> Residual:
@@ -153,6 +151,4 @@ def _scaled(residual: Residual, scale: float) -> Residual:
 
 
 def _stack(*residuals: Residual) -> Residual:
-    return Residual(
-        np.concatenate([r.values for r in residuals]), np.concatenate([r.jacobian for r in residuals])
-    )
+    return Residual(np.concatenate([r.values for r in residuals]), np.concatenate([r.jacobian for r in residuals]))

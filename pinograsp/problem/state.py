@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions.robot import SoftFinger
 from ..mechanics import (
     ContactDerivatives,
     ContactModels,
@@ -21,7 +22,6 @@ from ..mechanics import (
     grasp_statics,
     solve_forces,
 )
-from ..descriptions.robot import SoftFinger
 from ..models import (
     CollisionModel,
     Configuration,
@@ -53,9 +53,7 @@ class TaskModel:
         self.hand = Hand(self.robot.synergies, np.full(hand_size, 1.0 / stiffness.joint))
         self.contact_models = _contact_models(robot)
         constants = self.task.contact
-        self.limits = ForceLimits(
-            constants.friction, constants.min_normal_force, constants.max_force, constants.kappa
-        )
+        self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
 
     def object_surface(self, points: Array) -> tuple[Array, Array, Array]:
         """Return signed distance, outward normal and Hessian at world points; shapes (n,), (n, 3), (n, 3, 3)."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ def write_json(result: Result, file: Path) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
     partial = file.with_name(file.name + ".partial")
     partial.write_text(text + "\n", encoding="utf-8")
-    os.replace(partial, file)
+    partial.replace(file)
 
 
 def read_json(file: Path) -> Result:
@@ -140,12 +139,14 @@ def _read_grasp(data: dict[str, Any]) -> Grasp:
         internal_forces=np.array(data["internal_forces"]),
         q_r=data["q_r"],
         cost=Cost(**data["cost"]),
-        contacts=tuple(
-            Contact(**{k: np.array(v) if isinstance(v, list) else v for k, v in contact.items()})
-            for contact in data["contacts"]
-        ),
+        contacts=tuple(_read_contact(contact) for contact in data["contacts"]),
         certificate=Certificate(tuple(_read_figure(figure) for figure in figures)),
     )
+
+
+def _read_contact(data: dict[str, Any]) -> Contact:
+    fields: dict[str, Any] = {key: np.array(value) if isinstance(value, list) else value for key, value in data.items()}
+    return Contact(**fields)
 
 
 def _read_figure(data: dict[str, Any]) -> Figure:

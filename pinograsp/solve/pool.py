@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any, TypeVar
 
@@ -20,9 +20,7 @@ CHUNK = 8
 _handle: Callable[[Any], Any]  # set once in every worker process
 
 
-def work(
-    prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item], workers: int
-) -> Iterator[Outcome]:
+def work(prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item], workers: int) -> Generator[Outcome]:
     """Yield the outcome of every item, in any order.
 
     Args:

@@ -48,9 +48,7 @@ class Verifier:
         # Links fixed to the root do not move: whether the mounting is free is not a matter of the grasp.
         self._moving = [mesh for mesh in self._meshes.values() if self._kinematics.moves(mesh.link)]
         if not self._moving:
-            raise InputError(
-                "no moving link has collision geometry, nothing can be verified", file=robot.urdf_file
-            )
+            raise InputError("no moving link has collision geometry, nothing can be verified", file=robot.urdf_file)
         body = scene.objects[self._task.object]
         self._center_of_mass = body.center_of_mass_world
         self._target = PlacedShape(self._task.object, body)
@@ -131,12 +129,8 @@ def _require_known(robot: RobotDescription, kinematics: Kinematics) -> None:
         for name in names:
             if name not in joints:
                 remedy = close_names(name, sorted(joints))
-                raise InputError(
-                    f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy
-                )
+                raise InputError(f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy)
     for pad in robot.pads:
         if pad.link not in kinematics.body:
             remedy = close_names(pad.link, sorted(kinematics.body))
-            raise InputError(
-                f"the URDF has no link {pad.link!r}", file=robot.source, key="pads", remedy=remedy
-            )
+            raise InputError(f"the URDF has no link {pad.link!r}", file=robot.source, key="pads", remedy=remedy)

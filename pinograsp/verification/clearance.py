@@ -129,9 +129,7 @@ def _to_shape(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -
 
 def _to_mesh(first: LinkMesh, second: LinkMesh, placed: Placed, most: float) -> float:
     """Return the distance of two meshes, -inf where they intersect or one surrounds the other."""
-    distance = _distance(
-        first.solid, placed.placements[first.link], second.solid, placed.placements[second.link], most
-    )
+    distance = _distance(first.solid, placed.placements[first.link], second.solid, placed.placements[second.link], most)
     if distance <= 0.0 or _one_in_other(first, second, placed) or _one_in_other(second, first, placed):
         return -math.inf
     return distance

@@ -36,9 +36,7 @@ class Pads:
         links = [poses[pad.link] for pad in pads]
         return cls(
             names=tuple(pad.name for pad in pads),
-            origins=np.array(
-                [T[:3, :3] @ pad.patch.origin + T[:3, 3] for T, pad in zip(links, pads, strict=True)]
-            ),
+            origins=np.array([T[:3, :3] @ pad.patch.origin + T[:3, 3] for T, pad in zip(links, pads, strict=True)]),
             rotations=np.array([T[:3, :3] @ pad.patch.rotation for T, pad in zip(links, pads, strict=True)]),
             low=np.array([(pad.patch.u[0], pad.patch.v[0]) for pad in pads]),
             high=np.array([(pad.patch.u[1], pad.patch.v[1]) for pad in pads]),
@@ -68,9 +66,7 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
     """
     gaps = np.abs([target.distance(point) for point in points])
     # Exact for small and large angles alike, which arccos is not.
-    tilts = 2 * np.arctan2(
-        np.linalg.norm(pads.normals - inward, axis=1), np.linalg.norm(pads.normals + inward, axis=1)
-    )
+    tilts = 2 * np.arctan2(np.linalg.norm(pads.normals - inward, axis=1), np.linalg.norm(pads.normals + inward, axis=1))
     return [
         _largest("contact gap", gaps, PENETRATION, "m", pads.names),
         _largest("contact on pad", pads.distances(points), 1e-6, "m", pads.names),

@@ -43,9 +43,7 @@ def balance_figures(
     ]
 
 
-def force_figures(
-    claim: Claim, inward: Array, pads: Sequence[PadDescription], task: TaskDescription
-) -> list[Figure]:
+def force_figures(claim: Claim, inward: Array, pads: Sequence[PadDescription], task: TaskDescription) -> list[Figure]:
     """Return the figures of friction and force limits, N.
 
     Args:

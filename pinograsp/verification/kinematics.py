@@ -60,9 +60,9 @@ class Kinematics:
         self._tree = _from_root_outwards(urdf, file)
         self.root: str = self._tree[0].parent if self._tree else next(iter(urdf.link_map))
         self.joints = tuple(_joint(joint) for joint in self._tree if joint.type in _MOVABLE)
-        self._origins = np.array(
-            [np.eye(4) if joint.origin is None else joint.origin for joint in self._tree]
-        ).reshape(-1, 4, 4)
+        self._origins = np.array([np.eye(4) if joint.origin is None else joint.origin for joint in self._tree]).reshape(
+            -1, 4, 4
+        )
         axes = np.array([_axis(joint) for joint in self._tree]).reshape(-1, 3)
         turns = np.array([joint.type in ("revolute", "continuous") for joint in self._tree], dtype=bool)
         self._slides = np.where(turns[:, None], 0.0, axes)

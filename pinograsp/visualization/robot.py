@@ -62,7 +62,5 @@ def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescri
         if name not in joints:
             raise InputError(f"the grasp has no angle for the joint {name!r}", file=robot.source)
         angle = joints[name]
-        q[joint.idx_q : joint.idx_q + joint.nq] = (
-            (math.cos(angle), math.sin(angle)) if joint.nq == 2 else angle
-        )
+        q[joint.idx_q : joint.idx_q + joint.nq] = (math.cos(angle), math.sin(angle)) if joint.nq == 2 else angle
     return np.asarray(q)
