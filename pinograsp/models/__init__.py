@@ -6,7 +6,7 @@ gradients, and `shapes` holds one file a shape.
 """
 
 from .collision import CollisionModel, Distances
-from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward
+from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward, jacobian_derivatives
 from .robot import RobotModel
 from .shapes import Surface, surface_of
 
@@ -19,5 +19,6 @@ __all__ = [
     "Surface",
     "contact_kinematics",
     "forward",
+    "jacobian_derivatives",
     "surface_of",
 ]

@@ -51,8 +51,10 @@ class ContactKinematics:
     """Shape (n, 3, v)."""
     d_axes: Array
     """Shape (n, 2, 3, v)."""
-    d_jacobians: Array
-    """Shape (n, 6, h, v)."""
+    linear: Array
+    """Velocity of the contact points per rate of every joint, shape (n, 3, nv)."""
+    angular: Array
+    """Angular velocity of the pads per rate of every joint, shape (n, 3, nv)."""
 
 
 def forward(robot: RobotModel, data: Any, posture: Array) -> Configuration:
@@ -98,7 +100,8 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
         d_points=_with_parameters(linear @ robot.B, axes),
         d_normals=_with_parameters(_turned(normals, angular) @ robot.B, None),
         d_axes=np.stack([_with_parameters(_turned(axes[:, i], angular) @ robot.B, None) for i in range(2)], axis=1),
-        d_jacobians=_jacobian_derivatives(robot, linear, angular, axes),
+        linear=linear,
+        angular=angular,
     )
 
 
@@ -118,8 +121,9 @@ def _with_parameters(by_posture: Array, axes: Array | None) -> Array:
     return result
 
 
-def _jacobian_derivatives(robot: RobotModel, linear: Array, angular: Array, axes: Array) -> Array:
-    """Return the derivative of the hand Jacobians, shape (n, 6, h, v)."""
+def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Array:
+    """Return the derivatives of the hand Jacobians in x = (posture, q_c), shape (n, 6, h, v)."""
+    linear, angular, axes = contacts.linear, contacts.angular, contacts.axes
     n, _, nv = linear.shape
     hand = robot.hand_joints
     size = robot.posture_size

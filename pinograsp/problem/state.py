@@ -30,6 +30,7 @@ from ..models import (
     RobotModel,
     contact_kinematics,
     forward,
+    jacobian_derivatives,
     surface_of,
 )
 
@@ -109,7 +110,8 @@ class State:
     @cached_property
     def grasp_derivatives(self) -> ContactDerivatives:
         """Derivatives of `grasp` in x."""
-        return ContactDerivatives(self.contacts.d_points, self.contacts.d_normals, self.contacts.d_jacobians)
+        jacobians = jacobian_derivatives(self.model.robot, self.contacts)
+        return ContactDerivatives(self.contacts.d_points, self.contacts.d_normals, jacobians)
 
     @cached_property
     def statics(self) -> Statics:

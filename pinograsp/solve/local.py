@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..problem import Evaluation, GraspProblem, TaskModel
-from .projection import nearest_assignment, project
+from .projection import Projection, nearest_assignment, project
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 ALGORITHMS: tuple[Algorithm, ...] = ("LD_SLSQP", "LN_COBYLA")
@@ -35,8 +35,8 @@ class SolverOptions:
     """Scaled violation that counts as feasible: 1 micrometre."""
     cost_tolerance: float = 1e-9
     """Absolute change of the scaled cost at which a solve stops: 1e-6 mm^2 in U."""
-    project: bool = True
-    """Whether a start is first projected on the contact conditions."""
+    projection: Projection = "contacts and clearance"
+    """What a start is projected on before the solve."""
 
     @property
     def budget(self) -> int:
@@ -123,8 +123,7 @@ class LocalSolver:
         x = np.concatenate([start, centers])
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
-        if self._options.project:
-            x = project(problem, x)
+        x = project(problem, x, self._options.projection)
         recorder = _Recorder(problem, self._options.tolerance)
         code, message = _run(recorder, x, self._options)
         best, count = recorder.best, recorder.evaluations

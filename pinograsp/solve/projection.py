@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel
 from ..problem.terms import Residual
 
+Projection = Literal["nothing", "contacts", "contacts and clearance"]
 MAX_STEPS = 30
 DONE = 1e-5
 """Norm of the scaled residual below which the contacts are made: 0.1 micrometre."""
@@ -32,10 +34,13 @@ def nearest_assignment(model: TaskModel, start: State) -> tuple[int, ...]:
     return min(itertools.permutations(range(square.shape[1])), key=lambda p: float(square[pads, p].sum()))
 
 
-def project(problem: GraspProblem, x: Array) -> Array:
-    """Return the point that both stages lead to from x, within bounds, shape (v,)."""
-    x = _descend(problem, problem.contact_residual, x)
-    return _descend(problem, problem.contact_and_clearance_residual, x)
+def project(problem: GraspProblem, x: Array, onto: Projection) -> Array:
+    """Return the point that the stages lead to from x, within bounds, shape (v,)."""
+    if onto != "nothing":
+        x = _descend(problem, problem.contact_residual, x)
+    if onto == "contacts and clearance":
+        x = _descend(problem, problem.contact_and_clearance_residual, x)
+    return x
 
 
 def _descend(problem: GraspProblem, residual_at: Callable[[Array], Residual], x: Array) -> Array:

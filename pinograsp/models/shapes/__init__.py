@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-
 from ...arrays import Array
 from ...descriptions import shapes as described
 from .box import BoxSurface
