@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ..errors import InputError, close_names
 
@@ -22,6 +23,13 @@ def _number(value: object) -> object:
 Number = Annotated[FiniteFloat, BeforeValidator(_number)]
 Vector3 = tuple[Number, Number, Number]
 Interval = tuple[Number, Number]
+Format1 = Annotated[Literal[1], BeforeValidator(_number)]
+KeyPath = tuple[str | int, ...]
+
+
+def wrong(problem: str, *path: str | int, remedy: str | None = None) -> PydanticCustomError:
+    """Return what a validator raises: the problem is with the key at `path` below the part that it validates."""
+    return PydanticCustomError("wrong", "{problem}", {"problem": problem, "path": path, "remedy": remedy})
 
 
 class Frozen(BaseModel):
@@ -45,11 +53,11 @@ class _Lines:
     """Line numbers of a YAML document by key path."""
 
     def __init__(self, node: yaml.Node, file: Path) -> None:
-        self.of: dict[tuple[str | int, ...], int] = {}
+        self.of: dict[KeyPath, int] = {}
         self._file = file
         self._visit(node, ())
 
-    def _visit(self, node: yaml.Node, path: tuple[str | int, ...]) -> None:
+    def _visit(self, node: yaml.Node, path: KeyPath) -> None:
         self.of.setdefault(path, node.start_mark.line + 1)
         if isinstance(node, yaml.MappingNode):
             seen: set[str] = set()
@@ -71,16 +79,18 @@ class _Lines:
             for index, item in enumerate(node.value):
                 self._visit(item, (*path, index))
 
-    def nearest(self, path: tuple[str | int, ...]) -> tuple[tuple[str | int, ...], int | None]:
-        """Return the part of `path` that stands in the document, and its line."""
-        known: tuple[str | int, ...] = ()
+    def nearest(self, path: KeyPath) -> KeyPath:
+        """Return the part of `path` that stands in the document."""
+        known: KeyPath = ()
         for part in path:
-            if (*known, part) in self.of:
-                known = (*known, part)
-        return known, self.of.get(known)
+            for written in (part, str(part)):
+                if (*known, written) in self.of:
+                    known = (*known, written)
+                    break
+        return known
 
 
-def dotted(path: tuple[str | int, ...]) -> str:
+def dotted(path: KeyPath) -> str:
     """Write a key path as `tasks.sphere.desired_contacts[0]`."""
     text = ""
     for part in path:
@@ -103,50 +113,83 @@ def read_file(file: Path, model: type[Root]) -> Root:
         text = data.decode()
         node = yaml.compose(text, Loader=yaml.SafeLoader)
         content = yaml.safe_load(text)
+        lines = _Lines(node, file)
     except UnicodeDecodeError:
         raise InputError("is not a text file in UTF-8", file=file) from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        problem = getattr(error, "problem", None) or "not understood"
-        line = mark.line + 1 if mark else None
-        raise InputError(f"is not valid YAML: {problem}", file=file, line=line) from None
-    if node is None or not isinstance(content, dict):
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise _not_yaml(error, file) from None
+    if not isinstance(content, dict):
         raise InputError("is empty or not a mapping of keys", file=file, remedy="Start with `format: 1`")
-    lines = _Lines(node, file)
     for reserved in ("source", "digest"):
         if reserved in content:
-            raise InputError("unknown key", file=file, line=lines.of[(reserved,)], key=reserved)
+            raise InputError("unknown key", file=file, line=lines.of[(reserved,)], key=reserved, remedy="Remove it")
     try:
         return model.model_validate(content | {"source": file, "digest": hashlib.sha256(data).hexdigest()})
     except ValidationError as error:
-        raise _first_problem(error, lines, file, model) from None
+        raise _worst_problem(error, lines, file, model) from None
 
 
-def _first_problem(error: ValidationError, lines: _Lines, file: Path, model: type[BaseModel]) -> InputError:
+def _not_yaml(error: Exception, file: Path) -> InputError:
+    mark = getattr(error, "problem_mark", None)
+    parts = [getattr(error, name, None) for name in ("context", "problem", "reason")]
+    problem = ", ".join(part for part in parts if part) or str(error)
+    return InputError(f"is not valid YAML: {problem}", file=file, line=mark.line + 1 if mark else None)
+
+
+def _worst_problem(error: ValidationError, lines: _Lines, file: Path, model: type[BaseModel]) -> InputError:
+    """Return the first unknown key (a misspelt key is also a missing one), else the first problem."""
     problems = error.errors()
-    first = problems[0]
-    path = first["loc"]
-    if first["type"] == "missing":
-        known, line = lines.nearest(path[:-1])
-        key = dotted((*known, path[-1]))
-        return InputError("this key is missing", file=file, line=line, key=key, remedy="Add it")
-    known, line = lines.nearest(path)
-    remedy = None
-    if first["type"] == "extra_forbidden":
-        problem = "unknown key"
-        remedy = close_names(str(path[-1]), _keys_beside(model, path[:-1]))
-    else:
-        message = first["msg"].removeprefix("Value error, ")
-        problem = message[:1].lower() + message[1:]
-        value = first.get("input")
-        if isinstance(value, (str, int, float)) and first["type"] != "value_error":
-            problem += f" (given: {value!r})"
-    if len(problems) > 1:
-        problem += f" (and {len(problems) - 1} more)"
-    return InputError(problem, file=file, line=line, key=dotted(known) or None, remedy=remedy)
+    first = min(problems, key=lambda problem: problem["type"] != "extra_forbidden")
+    path: KeyPath = first["loc"]
+    context = first.get("ctx", {})
+    remedy: str | None = None
+    added: KeyPath = ()
+    match first["type"]:
+        case "missing" if isinstance(path[-1], str):
+            path, added = path[:-1], path[-1:]
+            problem, remedy = "this key is missing", "Add it"
+        case "union_tag_not_found":
+            added = (context["discriminator"].strip("'"),)
+            problem, remedy = "this key is missing", "Add it"
+        case "union_tag_invalid":
+            path = (*path, context["discriminator"].strip("'"))
+            problem = f"{context['tag']!r} is not known"
+            remedy = close_names(context["tag"], context["expected_tags"].replace("'", "").split(", "))
+        case "extra_forbidden":
+            problem, remedy = "unknown key", close_names(str(path[-1]), _keys_in(model, path[:-1]))
+        case "wrong":
+            path, problem, remedy = (*path, *context["path"]), context["problem"], context["remedy"]
+        case _:
+            problem = _in_words(first)
+    known = lines.nearest(path)
+    return InputError(problem, file=file, line=lines.of[known], key=dotted((*known, *added)) or None, remedy=remedy)
 
 
-def _keys_beside(model: Any, path: tuple[str | int, ...]) -> list[str]:
+def _in_words(problem: ErrorDetails) -> str:
+    """Say what is wanted without the words of Python."""
+    given, context = problem["input"], problem.get("ctx", {})
+    match problem["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "missing" | "too_long" | "too_short":
+            return f"a list of another length is wanted ({_length(context, problem)})"
+        case "tuple_type":
+            wanted = "a list in [brackets]"
+        case "dict_type" | "model_type" | "model_attributes_type":
+            wanted = "a block of keys"
+        case "string_type":
+            wanted = "a text"
+        case "float_type" | "float_parsing":
+            wanted = "a number"
+        case "finite_number":
+            wanted = "a finite number"
+        case _:
+            message = problem["msg"]
+            return f"{message[:1].lower()}{message[1:]} (given: {given!r})"
+    return f"{wanted} is wanted (given: {'nothing' if given is None else repr(given)})"
+
+
+def _keys_beside(model: Any, path: KeyPath) -> list[str]:
     """Return the keys that the JSON Schema of `model` allows anywhere, nearest first match not needed."""
     schema = model.model_json_schema()
     blocks = [schema, *schema.get("$defs", {}).values()]
