@@ -1,8 +1,4 @@
-"""The command line: `pinograsp plan`, `pinograsp schema`, `pinograsp list`.
-
-Exit codes: 0 grasps were found, 1 none was found, 2 the input cannot be used, 130 interrupted (what was done until
-then is written).
-"""
+"""The command line: `pinograsp plan`, `pinograsp schema`, `pinograsp list`."""
 
 from __future__ import annotations
 
@@ -12,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
@@ -25,7 +22,7 @@ from .solve.local import Algorithm
 
 NOTHING_FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=__doc__)
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
 def main() -> None:
@@ -33,13 +30,16 @@ def main() -> None:
     try:
         app()
     except InputError as error:
-        Console(stderr=True, soft_wrap=True).print(f"[bold red]error:[/] {_escaped(str(error))}", highlight=False)
+        _say(Console(stderr=True), f"[bold red]error:[/] {escape(str(error))}")
         raise SystemExit(BAD_INPUT) from None
 
 
 @app.callback()
 def _commands() -> None:
-    """Plan verified grasps for a robot arm and hand inside a narrow enclosure."""
+    """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
+
+    Exit codes: 0 grasps were found, 1 none was found, 2 the input cannot be used, 130 interrupted.
+    """
 
 
 @app.command("plan")
@@ -52,13 +52,14 @@ def plan_command(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
     algorithm: Annotated[Algorithm, typer.Option(help="NLopt algorithm.")] = "LD_SLSQP",
     max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder of the JSON and HTML files; by default out/.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
     html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,
 ) -> None:
     """Find, verify and rank grasps; write them as JSON and the best one as an HTML page."""
     console = Console()
     robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
     options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
+    _make_folder(out)
     with _bar(console) as bar:
         row = bar.add_task("", total=starts, reliable=0, best="-")
 
@@ -77,16 +78,15 @@ def plan_command(
             progress=show,
         )
     _report(result, console)
-    folder = out or Path("out")
-    written = folder / f"{description.name}_{task}.json"
+    written = out / f"{description.name}_{task}.json"
     write_json(result, written)
-    console.print(f"written: {written}", highlight=False)
+    _say(console, f"written: {escape(str(written))}")
     if html and result.best:
         from .visualization import write_html
 
         page = written.with_suffix(".html")
         write_html(result.best, robot_model.description, description, task, page, caption=outcome_lines(result)[0])
-        console.print(f"written: {page}", highlight=False)
+        _say(console, f"written: {escape(str(page))}")
     if result.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not result.grasps:
@@ -120,6 +120,8 @@ def _bar(console: Console) -> Bar:
         TextColumn("reliable {task.fields[reliable]}, best U {task.fields[best]}"),
         TimeRemainingColumn(),
         console=console,
+        transient=True,
+        disable=not console.is_terminal,
     )
 
 
@@ -127,16 +129,25 @@ def _report(result: Result, console: Console) -> None:
     if result.grasps:
         console.print(grasp_table(result))
     else:
-        console.print("[bold]No verified grasp was found.[/]")
+        _say(console, "[bold]No verified grasp was found.[/]")
     for line in outcome_lines(result):
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
-    times = result.times
-    console.print(
-        f"{times['total']:.1f} s in all; a start takes {1e3 * times.get('solver_mean', 0):.1f} ms in the solver and "
-        f"{1e3 * times.get('verification_mean', 0):.1f} ms in the check, on one core",
-        highlight=False,
-    )
+        _say(console, escape(line))
+    text = f"{result.times['total']:.1f} s in all"
+    if result.done:
+        solver, check = 1e3 * result.times["solver_mean"], 1e3 * result.times["verification_mean"]
+        text += f"; a start takes {solver:.1f} ms in the solver and {check:.1f} ms in the check, on one core"
+    _say(console, text)
 
 
-def _escaped(text: str) -> str:
-    return text.replace("[", "\\[")
+def _say(console: Console, line: str) -> None:
+    """Print one line as it is, however narrow the terminal: paths stay whole."""
+    console.print(line, highlight=False, soft_wrap=True)
+
+
+def _make_folder(folder: Path) -> None:
+    """Make the folder of the results before the work, not after it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"no such folder can be made: {reason}", file=folder, key="--out") from None

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 import pytest
+import yaml
+from hypothesis import settings
+from numpy.typing import NDArray
 
 import pinograsp
 from pinograsp.descriptions import SceneDescription
 from pinograsp.models import RobotModel
 from pinograsp.problem import TaskModel
+
+Array = NDArray[np.float64]
+
+settings.register_profile("pinograsp", deadline=None, derandomize=True, database=None, max_examples=40)
+settings.load_profile("pinograsp")
 
 
 @pytest.fixture(scope="session")
@@ -24,3 +37,138 @@ def glovebox() -> SceneDescription:
 @pytest.fixture(scope="session")
 def sphere_task(gen3: RobotModel, glovebox: SceneDescription) -> TaskModel:
     return TaskModel(gen3, glovebox, "sphere")
+
+
+TOY_URDF = """<?xml version="1.0"?>
+<robot name="toy">
+  <link name="base">
+    <collision>
+      <origin xyz="0 0 -0.05"/><geometry><box size="0.1 0.1 0.04"/></geometry>
+    </collision>
+  </link>
+  <link name="arm">
+    <collision>
+      <origin xyz="0 0 0.1"/><geometry><box size="0.04 0.04 0.16"/></geometry>
+    </collision>
+  </link>
+  <link name="left">
+    <collision>
+      <origin xyz="0.005 0 0.02"/><geometry><box size="0.01 0.02 0.04"/></geometry>
+    </collision>
+  </link>
+  <link name="right">
+    <collision>
+      <origin xyz="-0.005 0 0.02"/><geometry><box size="0.01 0.02 0.04"/></geometry>
+    </collision>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+    <limit lower="-1.5" upper="1.5" effort="1" velocity="1"/>
+  </joint>
+  <joint name="slide_left" type="prismatic">
+    <parent link="arm"/><child link="left"/><origin xyz="0 0 0.2"/><axis xyz="1 0 0"/>
+    <limit lower="0.0" upper="0.06" effort="1" velocity="1"/>
+  </joint>
+  <joint name="slide_right" type="prismatic">
+    <parent link="arm"/><child link="right"/><origin xyz="0 0 0.2"/><axis xyz="-1 0 0"/>
+    <limit lower="0.0" upper="0.08" effort="1" velocity="1"/>
+    <mimic joint="slide_left" multiplier="1.25" offset="0.002"/>
+  </joint>
+</robot>
+"""
+"""One arm joint and a parallel jaw of one slider, the other finger mimicking it: two movable degrees."""
+
+TOY_ROBOT: dict[str, Any] = {
+    "format": 1,
+    "name": "toy",
+    "urdf": "toy.urdf",
+    "arm": {"joints": ["shoulder"], "wrist": "arm"},
+    "hand": {"synergies": [{"joint": "slide_left"}]},
+    "pads": [
+        {
+            "name": side,
+            "link": side,
+            "patch": {
+                "type": "plane",
+                "origin": [0.0, 0.0, 0.02],
+                "normal": [normal, 0.0, 0.0],
+                "x_axis": [0.0, 0.0, 1.0],
+                "u": [-0.018, 0.018],
+                "v": [-0.008, 0.008],
+            },
+            "contact": {"model": "hard_finger"},
+        }
+        for side, normal in (("left", -1.0), ("right", 1.0))
+    ],
+    "stiffness": {"joint": 100.0, "contact": 10000.0},
+}
+
+RobotFactory = Callable[..., RobotModel]
+
+
+@pytest.fixture(scope="session")
+def make_toy(tmp_path_factory: pytest.TempPathFactory) -> RobotFactory:
+    """Return a function that writes and loads the toy robot.
+
+    `urdf` replaces its URDF, further keywords replace keys of its robot file.
+    """
+
+    def make(urdf: str = TOY_URDF, **changes: Any) -> RobotModel:
+        folder = tmp_path_factory.mktemp("toy")
+        (folder / "toy.urdf").write_text(urdf)
+        return pinograsp.load_robot(_written(folder / "robot.yaml", TOY_ROBOT | changes))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def toy(make_toy: RobotFactory) -> RobotModel:
+    return make_toy()
+
+
+TOY_SCENE: dict[str, Any] = {
+    "format": 1,
+    "name": "toy_room",
+    "enclosure": {"min": [-0.4, -0.3, -0.2], "max": [0.4, 0.3, 0.4]},
+    "objects": {"ball": {"shape": {"type": "sphere", "radius": 0.025}, "pose": {"position": [0.0, 0.0, 0.222]}}},
+    "tasks": {
+        "ball": {
+            "object": "ball",
+            "desired_contacts": [[0.025, 0.0, 0.0], [-0.025, 0.0, 0.0]],
+            "wrench": {"force": [0.0, 0.0, -2.0]},
+            "contact": {"friction": 0.9},
+        }
+    },
+}
+
+SceneFactory = Callable[..., SceneDescription]
+
+
+@pytest.fixture(scope="session")
+def make_toy_scene(tmp_path_factory: pytest.TempPathFactory) -> SceneFactory:
+    """Return a function that writes and loads the toy's scene, further keywords replacing its keys."""
+
+    def make(**changes: Any) -> SceneDescription:
+        file = tmp_path_factory.mktemp("toy_scene") / "scene.yaml"
+        return pinograsp.load_scene(_written(file, TOY_SCENE | changes))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def toy_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+    return TaskModel(toy, make_toy_scene(), "ball")
+
+
+@pytest.fixture(scope="session")
+def soft_gen3(gen3: RobotModel, tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+    """The shipped arm and gripper with soft finger contacts, read from a file of its own."""
+    content = yaml.safe_load(gen3.description.source.read_text())
+    for pad in content["pads"]:
+        pad["contact"] = {"model": "soft_finger", "torsion_radius": 0.005, "torsional_stiffness": 1.0}
+    return pinograsp.load_robot(_written(tmp_path_factory.mktemp("soft") / "robot.yaml", content))
+
+
+def _written(file: Path, content: dict[str, Any]) -> Path:
+    file.write_text(yaml.safe_dump(content))
+    return file

@@ -207,7 +207,7 @@ def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, robot, scen
     page = file.read_text(encoding="utf-8")
     for text in ("gen3_2f85", "glovebox", "2.179", "0.0425 mm²", "2.137", "(0.00, -3.63, 1.00) N", "3.77 N"):
         assert text in page
-    assert "31.25 ≥ 5 mm" in page
+    assert "<td>31.2 mm</td><td>≥ 5</td>" in page
     assert "forearm &lt;-&gt; wall" in page
     assert 'class="fails"><td>force balance' in page
     assert "Certificate: not verified" in page

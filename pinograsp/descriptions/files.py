@@ -52,10 +52,11 @@ Root = TypeVar("Root", bound=FileRoot)
 class _Lines:
     """Line numbers of a YAML document by key path."""
 
-    def __init__(self, node: yaml.Node, file: Path) -> None:
+    def __init__(self, node: yaml.Node | None, file: Path) -> None:
         self.of: dict[KeyPath, int] = {}
         self._file = file
-        self._visit(node, ())
+        if node is not None:
+            self._visit(node, ())
 
     def _visit(self, node: yaml.Node, path: KeyPath) -> None:
         self.of.setdefault(path, node.start_mark.line + 1)
@@ -171,8 +172,12 @@ def _in_words(problem: ErrorDetails) -> str:
     match problem["type"]:
         case "value_error":
             return str(context["error"])
-        case "missing" | "too_long" | "too_short":
-            return f"a list of another length is wanted ({_length(context, problem)})"
+        case "missing":
+            return f"more values are wanted ({len(given)} given)"
+        case "too_long":
+            return f"{context['max_length']} values are wanted ({context['actual_length']} given)"
+        case "too_short":
+            return f"at least {context['min_length']} values are wanted ({context['actual_length']} given)"
         case "tuple_type":
             wanted = "a list in [brackets]"
         case "dict_type" | "model_type" | "model_attributes_type":
@@ -189,28 +194,17 @@ def _in_words(problem: ErrorDetails) -> str:
     return f"{wanted} is wanted (given: {'nothing' if given is None else repr(given)})"
 
 
-def _keys_beside(model: Any, path: KeyPath) -> list[str]:
-    """Return the keys that the JSON Schema of `model` allows anywhere, nearest first match not needed."""
+def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
+    """Return the keys that the block at `path` may have."""
     schema = model.model_json_schema()
-    blocks = [schema, *schema.get("$defs", {}).values()]
-    last = next((str(part) for part in reversed(path) if isinstance(part, str)), None)
-    names: set[str] = set()
-    for block in blocks:
-        for name, content in block.get("properties", {}).items():
-            if last is None and block is schema:
-                names.add(name)
-            elif last is not None and name == last:
-                for reference in _references(content):
-                    names |= set(schema["$defs"][reference].get("properties", {}))
-    if not names:
-        names = {name for block in blocks for name in block.get("properties", {})}
-    return sorted(names - {"source", "digest"})
-
-
-def _references(content: Any) -> list[str]:
-    if isinstance(content, dict):
-        found = [content["$ref"].rsplit("/", 1)[-1]] if "$ref" in content else []
-        return found + [name for value in content.values() for name in _references(value)]
-    if isinstance(content, list):
-        return [name for value in content for name in _references(value)]
-    return []
+    block: dict[str, Any] = schema
+    for part in path:
+        if "discriminator" in block:
+            block = {"$ref": block["discriminator"]["mapping"][part]}
+        elif isinstance(part, int):
+            block = block["items"]
+        else:
+            block = block.get("properties", {}).get(part) or block["additionalProperties"]
+        if "$ref" in block:
+            block = schema["$defs"][block["$ref"].rsplit("/", 1)[-1]]
+    return sorted(set(block["properties"]) - {"source", "digest"})

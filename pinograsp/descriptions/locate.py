@@ -32,7 +32,7 @@ def shipped_scenes() -> dict[str, Path]:
 
 def robot_file(name: str | Path) -> Path:
     """Find a robot file by path (the file or its folder) or by the name of a shipped robot."""
-    path = Path(name).expanduser()
+    path = _expanded(name)
     if path.is_dir() and (path / "robot.yaml").is_file():
         return path / "robot.yaml"
     return _by_path_or_name(path, "robot", shipped_robots())
@@ -40,7 +40,15 @@ def robot_file(name: str | Path) -> Path:
 
 def scene_file(name: str | Path) -> Path:
     """Find a scene file by path, or by the name of a shipped scene (`glovebox`, `scenes/glovebox.yaml`)."""
-    return _by_path_or_name(Path(name).expanduser(), "scene", shipped_scenes())
+    return _by_path_or_name(_expanded(name), "scene", shipped_scenes())
+
+
+def _expanded(name: str | Path) -> Path:
+    """Return the path with ~ replaced; one of an unknown user stays as it is, and is not found."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
 
 
 def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:

@@ -8,6 +8,7 @@ metres, angles in radians, forces in newtons.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
@@ -15,18 +16,24 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ..errors import InputError
+from ..errors import InputError, close_names
 from . import locate
-from .files import FileRoot, Frozen, Interval, Number, Vector3, read_file
+from .files import FileRoot, Format1, Frozen, Interval, Number, Vector3, read_file, wrong
 
 Positive = Annotated[Number, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1)]
 
 
-def _ordered(interval: Interval) -> Interval:
+def _ordered(interval: Interval, *path: str | int) -> Interval:
     if interval[0] >= interval[1]:
-        raise ValueError(f"the lower end {interval[0]} is not below the upper end {interval[1]}")
+        raise wrong(f"the lower end {interval[0]:g} is not below the upper end {interval[1]:g}", *path)
     return interval
+
+
+def _once(names: Sequence[str], *path: str) -> None:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise wrong(f"{name!r} is given twice", index, *path)
 
 
 class ArmDescription(Frozen):
@@ -38,18 +45,19 @@ class ArmDescription(Frozen):
     limits: dict[Name, Interval] = Field(default_factory=dict)
     """Limits in rad (m) that replace those of the URDF. A continuous joint has +-2 pi if none is given."""
 
-    @field_validator("limits")
+    @field_validator("joints")
     @classmethod
-    def _limits_ordered(cls, value: dict[str, Interval]) -> dict[str, Interval]:
-        return {name: _ordered(interval) for name, interval in value.items()}
+    def _joints_once(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        _once(value)
+        return value
 
     @model_validator(mode="after")
     def _limits_known(self) -> ArmDescription:
-        for name in self.limits:
+        for name, interval in self.limits.items():
             if name not in self.joints:
-                raise ValueError(f"limits are given for {name!r}, which is not among the arm's joints")
-        if len(set(self.joints)) != len(self.joints):
-            raise ValueError("a joint is listed twice")
+                remedy = close_names(name, list(self.joints))
+                raise wrong(f"{name!r} is not among the arm's joints", "limits", name, remedy=remedy)
+            _ordered(interval, "limits", name)
         return self
 
 
@@ -70,6 +78,12 @@ class HandDescription(Frozen):
     """The hand's synergies: column k of the synergy matrix S (3) is synergy k."""
 
     synergies: Annotated[tuple[SynergyDescription, ...], Field(min_length=1)]
+
+    @field_validator("synergies")
+    @classmethod
+    def _joints_once(cls, value: tuple[SynergyDescription, ...]) -> tuple[SynergyDescription, ...]:
+        _once([synergy.joint for synergy in value], "joint")
+        return value
 
 
 class PlanePatch(Frozen):
@@ -92,11 +106,12 @@ class PlanePatch(Frozen):
 
     @model_validator(mode="after")
     def _frame(self) -> PlanePatch:
-        normal, x_axis = np.array(self.normal), np.array(self.x_axis)
-        if not (np.isclose(np.linalg.norm(normal), 1, atol=1e-6) and np.isclose(np.linalg.norm(x_axis), 1, atol=1e-6)):
-            raise ValueError("normal and x_axis must have length 1")
-        if abs(normal @ x_axis) > 1e-6:
-            raise ValueError("x_axis must be perpendicular to normal")
+        for name in ("normal", "x_axis"):
+            length = float(np.linalg.norm(getattr(self, name)))
+            if abs(length - 1.0) > 1e-6:
+                raise wrong(f"must have length 1 (it has {length:.7g})", name)
+        if abs(np.dot(self.normal, self.x_axis)) > 1e-6:
+            raise wrong("must be perpendicular to normal", "x_axis")
         return self
 
     @cached_property
@@ -143,7 +158,7 @@ class StiffnessDescription(Frozen):
 class RobotDescription(FileRoot):
     """A robot file."""
 
-    format: Literal[1]
+    format: Format1
     name: Name
     description: str = ""
     urdf: Name
@@ -155,12 +170,11 @@ class RobotDescription(FileRoot):
     pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
     stiffness: StiffnessDescription
 
-    @model_validator(mode="after")
-    def _pads_named_once(self) -> RobotDescription:
-        names = [pad.name for pad in self.pads]
-        if len(set(names)) != len(names):
-            raise ValueError("two pads have the same name")
-        return self
+    @field_validator("pads")
+    @classmethod
+    def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
+        _once([pad.name for pad in value], "name")
+        return value
 
     @cached_property
     def folders(self) -> list[Path]:

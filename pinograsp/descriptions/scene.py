@@ -8,18 +8,27 @@ from __future__ import annotations
 import math
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from ..errors import InputError, close_names
 from . import locate
-from .files import FileRoot, Frozen, Number, Vector3, read_file
+from .files import FileRoot, Format1, Frozen, Number, Vector3, read_file, wrong
 from .shapes import Shape
 
 Name = Annotated[str, Field(min_length=1)]
+
+
+def _without_slash(name: str) -> str:
+    if "/" in name or "\\" in name:
+        raise ValueError("a slash is not allowed: the name becomes part of a file's name")
+    return name
+
+
+FileName = Annotated[Name, AfterValidator(_without_slash)]
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 ZERO: Vector3 = (0.0, 0.0, 0.0)
@@ -56,8 +65,9 @@ class Enclosure(Frozen):
 
     @model_validator(mode="after")
     def _ordered(self) -> Enclosure:
-        if any(low >= high for low, high in zip(self.min, self.max, strict=True)):
-            raise ValueError("min must be below max along x, y and z")
+        for axis, letter in enumerate("xyz"):
+            if self.min[axis] >= self.max[axis]:
+                raise wrong(f"min {self.min[axis]:g} is not below max {self.max[axis]:g} along {letter}", "min", axis)
         return self
 
     @cached_property
@@ -118,7 +128,7 @@ class ContactConstants(Frozen):
     @model_validator(mode="after")
     def _ordered(self) -> ContactConstants:
         if self.min_normal_force >= self.max_force:
-            raise ValueError("min_normal_force must be below max_force")
+            raise wrong(f"must be below max_force, {self.max_force:g} N", "min_normal_force")
         return self
 
 
@@ -151,25 +161,25 @@ class TaskDescription(Frozen):
 class SceneDescription(FileRoot):
     """A scene file."""
 
-    format: Literal[1]
-    name: Name
+    format: Format1
+    name: FileName
     description: str = ""
     enclosure: Enclosure
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
     obstacles: dict[Name, Body] = Field(default_factory=dict)
     objects: dict[Name, ObjectDescription]
-    tasks: dict[Name, TaskDescription]
+    tasks: dict[FileName, TaskDescription]
 
     @model_validator(mode="after")
     def _references(self) -> SceneDescription:
         for name, task in self.tasks.items():
             if task.object not in self.objects:
                 remedy = close_names(task.object, list(self.objects))
-                raise ValueError(f"task {name!r} is about the object {task.object!r}, which is not defined. {remedy}")
-        twice = set(self.obstacles) & set(self.objects)
-        if twice:
-            raise ValueError(f"{sorted(twice)[0]!r} is both an obstacle and an object")
+                raise wrong(f"no object {task.object!r} is defined", "tasks", name, "object", remedy=remedy)
+        for name in self.obstacles:
+            if name in self.objects:
+                raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
         return self
 
     def task(self, name: str) -> TaskDescription:

@@ -7,6 +7,7 @@ import contextlib
 import gzip
 import json
 import os
+import math
 import struct
 from html import escape
 from pathlib import Path
@@ -102,7 +103,7 @@ def _costs(grasp: Grasp) -> str:
     return "".join(
         (
             _row("U", f"{cost.U:.4g}", "cost index"),
-            _row("Φ", f"{cost.phi_mm2:.4g} mm²", "contacts from desired points"),
+            _row("Φ", f"{cost.phi_mm2:.3g} mm²", "contacts from desired points"),
             _row("V", f"{cost.V:.4g}", "forces in their cones"),
         )
     )
@@ -115,6 +116,10 @@ def _contact(contact: Contact) -> str:
     return _row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
 
 
+SHOWN_IN = {"m": (1e3, "mm"), "N m": (1e3, "N mm"), "rad": (math.degrees(1.0), "°")}
+"""Scale and name of the unit in which the panel shows a figure."""
+
+
 def _certificate(certificate: Certificate) -> str:
     verdict = "verified" if certificate.verified else "not verified"
     rows = "".join(_figure(figure) for figure in certificate.figures)
@@ -123,10 +128,12 @@ def _certificate(certificate: Certificate) -> str:
 
 def _figure(figure: Figure) -> str:
     sign = "≥" if figure.sense == "at least" else "≤"
-    value = f"{figure.value:.4g} {sign} {figure.limit:.4g} {figure.unit}"
+    scale, unit = SHOWN_IN.get(figure.unit, (1.0, figure.unit))
+    limit = f"{sign} {scale * figure.limit:.2g}"
     where = f"<small>{escape(figure.where)}</small>" if figure.where else ""
     state = "holds" if figure.holds else "fails"
-    return f'<tr class="{state}"><td>{escape(figure.name)}{where}</td><td>{escape(value)}</td></tr>'
+    cells = "".join(f"<td>{escape(cell)}</td>" for cell in (f"{scale * figure.value:.3g} {unit}", limit))
+    return f'<tr class="{state}"><td>{escape(figure.name)}{where}</td>{cells}</tr>'
 
 
 def _legend_entry(text: str, color: int) -> str:
