@@ -16,9 +16,10 @@ import numpy as np
 from .arrays import Array
 from .descriptions import SceneDescription
 from .models import RobotModel
+from .pool import work
 from .problem import TaskModel, check_task
 from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
-from .solve import LocalSolver, Solution, SolverOptions, sample_starts, work
+from .solve import LocalSolver, Solution, SolverOptions, sample_starts
 from .solve.local import Outcome
 from .verification import Certificate, Verifier
 

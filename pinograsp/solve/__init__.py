@@ -1,7 +1,6 @@
-"""Starts and local solves: where to begin, projection on the contacts, NLopt, worker processes."""
+"""Starts and local solves: where to begin, projection on the contacts, NLopt."""
 
 from .local import ALGORITHMS, LocalSolver, Solution, SolverOptions
-from .pool import work
 from .starts import sample_starts
 
-__all__ = ["ALGORITHMS", "LocalSolver", "Solution", "SolverOptions", "sample_starts", "work"]
+__all__ = ["ALGORITHMS", "LocalSolver", "Solution", "SolverOptions", "sample_starts"]

@@ -6,8 +6,8 @@ import base64
 import contextlib
 import gzip
 import json
-import os
 import math
+import os
 import struct
 from html import escape
 from pathlib import Path

@@ -7,33 +7,37 @@ then handles items. Results come as they are done; what an item gives does not d
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import threading
+import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any, TypeVar
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
-CHUNK = 8
-"""Items that a worker takes at a time."""
 
 _handle: Callable[[Any], Any]  # set once in every worker process
 
 
-def work(prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item], workers: int) -> Generator[Outcome]:
+def work(
+    prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item], workers: int, chunk: int = 8
+) -> Generator[Outcome]:
     """Yield the outcome of every item, in any order.
 
     Args:
         prepare: builds the handler of items; must be picklable (a `functools.partial` of a module's function).
         items: picklable pieces of work.
         workers: number of processes; with 1 everything happens in this process.
+        chunk: items that a worker takes at a time.
 
     Closing the generator, as an exception such as KeyboardInterrupt does, drops what has not begun.
     """
     if workers <= 1:
         yield from map(prepare(), items)
         return
-    chunks = [items[i : i + CHUNK] for i in range(0, len(items), CHUNK)]
+    chunks = [items[i : i + chunk] for i in range(0, len(items), chunk)]
     # Forked workers need no `if __name__ == "__main__"` in the user's script.
     method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
     executor = ProcessPoolExecutor(
@@ -53,8 +57,16 @@ def work(prepare: Callable[[], Callable[[Item], Outcome]], items: Sequence[Item]
 def _begin(prepare: Callable[[], Callable[[Any], Any]]) -> None:
     # Ctrl-C reaches the whole process group; only the parent acts on it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_die_with_parent, args=(os.getppid(),), daemon=True).start()
     global _handle
     _handle = prepare()
+
+
+def _die_with_parent(parent: int) -> None:
+    """End this process when its parent has ended, even by SIGKILL: siblings keep the queues open for ever."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
 
 
 def _run_chunk(chunk: Sequence[Any]) -> list[Any]:
