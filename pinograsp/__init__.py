@@ -11,6 +11,7 @@ best = result.best
 from importlib.metadata import version as _version
 from pathlib import Path as _Path
 
+from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
@@ -33,9 +34,13 @@ def load_robot(name: str | _Path) -> RobotModel:
 
 
 __all__ = [
+    "BuildProgress",
     "Certificate",
+    "Cone",
     "Contact",
     "Cost",
+    "Coverage",
+    "Database",
     "Figure",
     "Grasp",
     "InputError",
@@ -44,6 +49,7 @@ __all__ = [
     "Result",
     "RobotModel",
     "SolverOptions",
+    "build_database",
     "load_robot",
     "load_scene",
     "plan",

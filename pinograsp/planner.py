@@ -9,17 +9,19 @@ from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
 
 from .arrays import Array
+from .database import BuildProgress, Database, Identity, cached_database
 from .descriptions import SceneDescription
 from .models import RobotModel
 from .pool import work
 from .problem import TaskModel, check_task
 from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
-from .solve import LocalSolver, Solution, SolverOptions, sample_starts
+from .solve import LocalSolver, Solution, SolverOptions, starts_near
 from .solve.local import Outcome
 from .verification import Certificate, Verifier
 
@@ -58,8 +60,9 @@ def plan(
     starts: int = DEFAULT_STARTS,
     workers: int | None = None,
     seed: int = 0,
+    database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress | BuildProgress], None] | None = None,
 ) -> Result:
     """Find, verify and rank grasps.
 
@@ -72,12 +75,14 @@ def plan(
         task: name of a task of the scene.
         starts: number of starts.
         workers: number of processes; None: one for each core.
-        seed: of the starts.
+        seed: of the choice of starts.
+        database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called after every start.
+        progress: called after every start, and while a database is built.
 
     Raises:
-        InputError: the task does not exist or makes no sense for this robot and scene.
+        InputError: the task does not exist or makes no sense for this robot and scene, or the database belongs to
+            another robot, enclosure or margin.
     """
     began = time.perf_counter()
     options = options or SolverOptions()
@@ -87,9 +92,15 @@ def plan(
     attempts: list[Attempt] = []
     interrupted = False
     times = {"prepare": time.perf_counter() - began}
+    run: dict[str, object] = {"seed": seed, "workers": workers, "options": options.to_json()}
     try:
-        postures = sample_starts(model, starts, seed)
-        times["starts"] = time.perf_counter() - began - times["prepare"]
+        opened = _database(database, model, workers, progress)
+        times["database"] = time.perf_counter() - began - times["prepare"]
+        postures = starts_near(opened, model, starts, seed)
+        run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
+        if not isinstance(database, Database):
+            opened.close()
+        times["starts"] = time.perf_counter() - began - times["prepare"] - times["database"]
         with closing(_attempts(robot, scene, task, options, postures, workers)) as running:
             for attempt in running:
                 attempts.append(attempt)
@@ -98,8 +109,22 @@ def plan(
     except KeyboardInterrupt:
         interrupted = True
     times["total"] = time.perf_counter() - began
-    run = {"seed": seed, "workers": workers, "options": options.to_json()}
     return _result(robot, scene, task, starts, attempts, interrupted, times, run)
+
+
+def _database(
+    given: Database | Path | str | None,
+    model: TaskModel,
+    workers: int,
+    progress: Callable[[Progress | BuildProgress], None] | None,
+) -> Database:
+    """Return the database to take starts from, open for reading, for certain the right one."""
+    robot, scene, margins = model.robot, model.scene, model.task.margin
+    if given is None:
+        return cached_database(robot, scene, margins, workers=workers, progress=progress)
+    opened = given if isinstance(given, Database) else Database.open(given)
+    opened.require(Identity.of(robot, scene, margins))
+    return opened
 
 
 def _attempts(

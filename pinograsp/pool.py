@@ -15,6 +15,8 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
@@ -47,8 +49,8 @@ def work(
         initargs=(prepare,),
     )
     try:
-        futures = [executor.submit(_run_chunk, chunk) for chunk in chunks]
-        for future in as_completed(futures):
+        # No list of the futures is kept: it would hold every outcome until the end.
+        for future in as_completed([executor.submit(_run_chunk, some) for some in chunks]):
             yield from future.result()
     finally:
         executor.shutdown(wait=True, cancel_futures=True)
@@ -58,6 +60,7 @@ def _begin(prepare: Callable[[], Callable[[Any], Any]]) -> None:
     # Ctrl-C reaches the whole process group; only the parent acts on it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_die_with_parent, args=(os.getppid(),), daemon=True).start()
+    threadpool_limits(1)  # the processes are the parallelism: BLAS threads would only compete with them
     global _handle
     _handle = prepare()
 

@@ -110,11 +110,13 @@ RobotFactory = Callable[..., RobotModel]
 def make_toy(tmp_path_factory: pytest.TempPathFactory) -> RobotFactory:
     """Return a function that writes and loads the toy robot.
 
-    `urdf` replaces its URDF, further keywords replace keys of its robot file.
+    `urdf` replaces its URDF, `meshes` are copied beside it, further keywords replace keys of its robot file.
     """
 
-    def make(urdf: str = TOY_URDF, **changes: Any) -> RobotModel:
+    def make(urdf: str = TOY_URDF, meshes: tuple[Path, ...] = (), **changes: Any) -> RobotModel:
         folder = tmp_path_factory.mktemp("toy")
+        for mesh in meshes:
+            (folder / mesh.name).write_bytes(mesh.read_bytes())
         (folder / "toy.urdf").write_text(urdf)
         return pinograsp.load_robot(_written(folder / "robot.yaml", TOY_ROBOT | changes))
 

@@ -5,20 +5,29 @@
 gradients, and `shapes` holds one file a shape.
 """
 
+from .batch import BatchKinematics, GroupFrames
+from .batch_clearance import BatchClearance
 from .collision import CollisionModel, Distances
+from .hand_posture import hand_opening, preshape, widest_jaw
 from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward, jacobian_derivatives
 from .robot import RobotModel
 from .shapes import Surface, surface_of
 
 __all__ = [
+    "BatchClearance",
+    "BatchKinematics",
     "CollisionModel",
     "Configuration",
     "ContactKinematics",
     "Distances",
+    "GroupFrames",
     "RobotModel",
     "Surface",
     "contact_kinematics",
     "forward",
+    "hand_opening",
     "jacobian_derivatives",
+    "preshape",
     "surface_of",
+    "widest_jaw",
 ]

@@ -37,6 +37,14 @@ class Solid:
     """Of the bounding sphere, m; infinite for a wall."""
 
 
+def distance_request() -> Any:
+    """Return a Coal request for signed distances that do not depend on the query before (no cached guess)."""
+    request = coal.DistanceRequest()
+    request.enable_signed_distance = True
+    request.gjk_initial_guess = coal.GJKInitialGuess.BoundingVolumeGuess
+    return request
+
+
 def robot_solids(robot: RobotModel) -> list[Solid]:
     """Return the convex hull of every collision geometry of the robot.
 
@@ -65,6 +73,17 @@ def _hull(mesh: Any, scale: Array, link: str, robot: RobotModel) -> Any:
     if mesh.convex is None:
         raise InputError("mesh has no convex hull", file=robot.description.urdf_file, key=f"link {link}")
     return mesh.convex
+
+
+def self_pairs(robot: RobotModel, solids: list[Solid]) -> list[tuple[int, int]]:
+    """Return the pairs of link hulls that move against each other and that the SRDF leaves enabled."""
+    pairs = []
+    for a, first in enumerate(solids):
+        for b, second in enumerate(solids[a + 1 :], a + 1):
+            relative = (robot.supports[first.joint] != robot.supports[second.joint]).any()
+            if relative and frozenset((first.name, second.name)) not in robot.urdf.disabled_pairs:
+                pairs.append((a, b))
+    return pairs
 
 
 def body_solid(name: str, body: Body) -> Solid:

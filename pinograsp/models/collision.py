@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..descriptions import SceneDescription, TaskDescription
-from .bodies import Solid, body_solid, robot_solids, wall_solids
+from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids
 from .kinematics import Configuration
 from .robot import RobotModel
 
@@ -87,11 +87,7 @@ class CollisionModel:
         self._wall_normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
         self._wall_offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
         self._pair_radii = radii[first[self._to_walls :]] + radii[second[self._to_walls :]]
-        self._request = coal.DistanceRequest()
-        self._request.enable_signed_distance = True
-        # The cached guess would make a distance depend on the query before it.
-        self._request.gjk_initial_guess = coal.GJKInitialGuess.BoundingVolumeGuess
-        self._request.enable_cached_gjk_guess = False
+        self._request = distance_request()
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH`."""
@@ -103,16 +99,6 @@ class CollisionModel:
         arms = np.cross(points, normals)
         along = np.concatenate([normals, arms], axis=1) @ configuration.jacobian
         return Distances(indices, values, (along * self._moves[indices]) @ self._robot.B)
-
-    def clear(self, configuration: Configuration, enclosure: float, robot: float) -> bool:
-        """Return whether the robot keeps these distances (m) from its surroundings and from itself.
-
-        The object does not count.
-        """
-        margins = {"enclosure": enclosure, "self": robot, "object": -np.inf}
-        measured = self.distances(configuration)
-        wanted = np.array([margins[self.pairs[index].kind] for index in measured.indices.tolist()])
-        return bool((measured.values >= wanted).all())
 
     def _lower_bounds(self, centers: Array) -> Array:
         bounds = np.empty(len(self.pairs))
@@ -161,12 +147,7 @@ class CollisionModel:
         pairs = [pair("enclosure", i, w, i, w) for i in moving for w in range(links, links + walls)]
         pairs += [pair("enclosure", i, o, i, o) for i in moving for o in around]
         pairs += [pair("object", i, target, i, target) for i in moving if not self._behind_its_pad(solids[i])]
-        for a in range(links):
-            for b in range(a + 1, links):
-                names = frozenset((solids[a].name, solids[b].name))
-                relative = (supports[solids[a].joint] != supports[solids[b].joint]).any()
-                if len(names) == 2 and relative and names not in self._robot.urdf.disabled_pairs:
-                    pairs.append(pair("self", a, b, b, a))
+        pairs += [pair("self", a, b, b, a) for a, b in self_pairs(self._robot, solids[:links])]
         return pairs
 
     def _behind_its_pad(self, solid: Solid) -> bool:

@@ -43,6 +43,8 @@ class RobotUrdf:
     movable: dict[str, str]
     """Movable joints of the URDF, name to type as written there (revolute, continuous, prismatic)."""
     mimics: dict[str, Mimic]
+    meshes: tuple[str, ...]
+    """Collision mesh files, absolute paths."""
     disabled_pairs: frozenset[frozenset[str]]
     """Pairs of links that the SRDF takes out of self-collision checks."""
 
@@ -81,9 +83,11 @@ def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) ->
             joint.remove(mimic)
         if kind == "continuous":
             _bound(joint)
-    _find_meshes(root, description)
+    meshes = _find_meshes(root, description)
     _mount(root, T_world_root)
-    return RobotUrdf(ET.tostring(root, encoding="unicode"), links, movable, mimics, _disabled_pairs(description))
+    return RobotUrdf(
+        ET.tostring(root, encoding="unicode"), links, movable, mimics, meshes, _disabled_pairs(description)
+    )
 
 
 def _parse(file: object, tag: str) -> ET.Element:
@@ -105,7 +109,9 @@ def _bound(joint: ET.Element) -> None:
     limit.set("upper", repr(2 * math.pi))
 
 
-def _find_meshes(root: ET.Element, description: RobotDescription) -> None:
+def _find_meshes(root: ET.Element, description: RobotDescription) -> tuple[str, ...]:
+    """Make the addresses of collision meshes absolute paths and return these; drop what is only for show."""
+    meshes = []
     for link in root.findall("link"):
         for visual in link.findall("visual"):
             link.remove(visual)
@@ -122,6 +128,8 @@ def _find_meshes(root: ET.Element, description: RobotDescription) -> None:
                     + "; name further folders under `packages` in the robot file",
                 )
             mesh.set("filename", str(found))
+            meshes.append(str(found))
+    return tuple(meshes)
 
 
 def _mount(root: ET.Element, T: NDArray[np.float64]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
-from .hand_posture import widest_jaw
+from ..models import widest_jaw
 from .state import TaskModel
 
 TOLERANCE = 1e-4

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import Array
-from ..models import ContactKinematics, RobotModel, contact_kinematics, forward
+from .kinematics import ContactKinematics, contact_kinematics, forward
+from .robot import RobotModel
 
 GRID = 17
 """Values per synergy that are tried."""
@@ -37,6 +38,14 @@ def preshape(robot: RobotModel, desired_points: Array) -> Array:
     return min(
         ((sigma, _spread(pads.points)) for sigma, pads in synergy_postures(robot)),
         key=lambda found: float(np.abs(found[1] - wanted).sum()),
+    )[0]
+
+
+def hand_opening(robot: RobotModel) -> Array:
+    """Return the synergies that hold the pads farthest apart, shape (s,)."""
+    return max(
+        ((sigma, float(_spread(pads.points).sum())) for sigma, pads in synergy_postures(robot)),
+        key=lambda found: found[1],
     )[0]
 
 

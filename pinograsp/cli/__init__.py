@@ -1,4 +1,4 @@
-"""The command line: `pinograsp plan`, `pinograsp schema`, `pinograsp list`."""
+"""The command line: `pinograsp plan | database | list | schema`."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Annotated, Literal
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
 
-from .descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
-from .errors import InputError
-from .models import RobotModel
-from .planner import DEFAULT_STARTS, Progress, plan
-from .results import Result, grasp_table, outcome_lines, write_json
-from .solve import SolverOptions
-from .solve.local import Algorithm
+from ..descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
+from ..errors import InputError
+from ..models import RobotModel
+from ..planner import DEFAULT_STARTS, plan
+from ..results import Result, grasp_table, outcome_lines, write_json
+from ..solve import SolverOptions
+from ..solve.local import Algorithm
+from .database import app as database_app
+from .progress_bar import ProgressBar
 
 NOTHING_FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -42,6 +42,9 @@ def _commands() -> None:
     """
 
 
+app.add_typer(database_app, name="database")
+
+
 @app.command("plan")
 def plan_command(
     scene: Annotated[str, typer.Argument(help="Scene file, or the name of a shipped scene.")],
@@ -50,6 +53,7 @@ def plan_command(
     starts: Annotated[int, typer.Option(min=1, help="Number of starts.")] = DEFAULT_STARTS,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
+    database: Annotated[Path | None, typer.Option(help="Start database; by default a small one, cached.")] = None,
     algorithm: Annotated[Algorithm, typer.Option(help="NLopt algorithm.")] = "LD_SLSQP",
     max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
     out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
@@ -60,13 +64,7 @@ def plan_command(
     robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
     options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
     _make_folder(out)
-    with _bar(console) as bar:
-        row = bar.add_task("", total=starts, reliable=0, best="-")
-
-        def show(progress: Progress) -> None:
-            best = f"{progress.best_U:.4g}" if progress.reliable else "-"
-            bar.update(row, total=progress.total, completed=progress.done, reliable=progress.reliable, best=best)
-
+    with ProgressBar(console) as bar:
         result = plan(
             robot_model,
             description,
@@ -75,14 +73,15 @@ def plan_command(
             workers=workers,
             seed=seed,
             options=options,
-            progress=show,
+            database=database,
+            progress=bar,
         )
     _report(result, console)
     written = out / f"{description.name}_{task}.json"
     write_json(result, written)
     _say(console, f"written: {escape(str(written))}")
     if html and result.best:
-        from .visualization import write_html
+        from ..visualization import write_html
 
         page = written.with_suffix(".html")
         write_html(result.best, robot_model.description, description, task, page, caption=outcome_lines(result)[0])
@@ -109,20 +108,6 @@ def list_command() -> None:
     for name, file in shipped_scenes().items():
         scene = load_scene(file)
         typer.echo(f"scene {name}: {scene.description}; tasks: {', '.join(scene.tasks)}")
-
-
-def _bar(console: Console) -> Bar:
-    """Return a progress bar with counts of reliable grasps and the best U."""
-    return Bar(
-        TextColumn("starts"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("reliable {task.fields[reliable]}, best U {task.fields[best]}"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    )
 
 
 def _report(result: Result, console: Console) -> None:

@@ -1,0 +1,220 @@
+"""Building, resuming and growing a database.
+
+Batches are inserted as they are done, each with its line in `batches`, in one transaction: whatever happens, the file
+holds whole batches. When the batches 0 .. n - 1 give at least `size` rows, with the least such n, their rows are
+written in the order of the curve to a new file, which then takes the place of the old one. So the rows depend on
+seed and size only: not on the number of workers, nor on how often the building was killed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import time
+from collections.abc import Callable, Generator
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+
+from ..descriptions import SceneDescription
+from ..descriptions.scene import Margins
+from ..errors import InputError
+from ..models import RobotModel
+from ..pool import work
+from .identity import Identity
+from .lock import building
+from .sampling import DRAWS, Batch, BatchSampler, Spread
+from .store import Database, columns, create_tables
+
+HOPELESS = 8
+"""Batches without a single free configuration after which a build gives up."""
+
+
+@dataclass(frozen=True)
+class BuildProgress:
+    """How far a build is."""
+
+    rows: int
+    size: int
+    rate: float
+    """Rows a second of this run."""
+    sorting: bool = False
+
+
+def build_database(
+    robot: RobotModel,
+    scene: SceneDescription,
+    file: Path | str,
+    *,
+    size: int,
+    seed: int = 0,
+    margins: Margins | None = None,
+    spread: Spread = "joints",
+    workers: int | None = None,
+    wait: bool = False,
+    progress: Callable[[BuildProgress], None] | None = None,
+) -> Database:
+    """Build a database of `size` collision-free configurations, or resume or grow the one that is there.
+
+    Args:
+        robot: from `load_robot`.
+        scene: its enclosure, mounting and fixed obstacles count; objects and tasks do not.
+        file: the database; made if it does not exist.
+        size: number of configurations wanted.
+        seed: of the samples.
+        margins: least distances; by default those that a task has by default.
+        spread: "joints": uniform over the joint limits; "wrist": thinned so that wrist positions are even.
+        workers: number of processes; None: one for each core.
+        wait: whether to wait while another process builds this database, instead of refusing.
+        progress: called after every batch.
+
+    Returns:
+        The database, open for reading.
+
+    Raises:
+        InputError: the file is no database, or one for another robot, enclosure, margin, seed or spread.
+    """
+    path = Path(file)
+    margins = margins or Margins()
+    identity = Identity.of(robot, scene, margins)
+    prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
+    pace = _Pace(size, progress)
+    with building(path, wait=wait):
+        _open(path, identity, seed, spread).close()
+        while missing := _missing_batches(path, size):
+            _add(path, work(prepare, missing, workers or os.cpu_count() or 1, chunk=1), pace)
+        _finish(path, size, pace)
+    return Database.open(path)
+
+
+def _add(path: Path, batches: Generator[Batch], pace: _Pace) -> None:
+    """Insert batches as they come."""
+    with closing(batches):
+        # Wait for the first before the file is opened: workers must not be forked with DuckDB's threads.
+        first = next(batches)
+        with Database.open(path, read_only=False) as database:
+            database.set_metadata("layout", "unsorted")
+            for batch in itertools.chain([first], batches):
+                _insert(database, batch)
+                pace.step(batch.accepted, database)
+
+
+class _Pace:
+    """Reports rows and rate."""
+
+    def __init__(self, size: int, progress: Callable[[BuildProgress], None] | None) -> None:
+        self._size, self._progress = size, progress
+        self._began = time.perf_counter()
+        self._inserted = 0
+        self._there = 0
+
+    def step(self, inserted: int, database: Database) -> None:
+        if not self._inserted:
+            self._there = database.rows() - inserted
+        self._inserted += inserted
+        rate = self._inserted / max(time.perf_counter() - self._began, 1e-9)
+        self._report(BuildProgress(self._there + self._inserted, self._size, rate))
+
+    def sorting(self, rows: int) -> None:
+        self._report(BuildProgress(rows, self._size, 0.0, sorting=True))
+
+    def _report(self, progress: BuildProgress) -> None:
+        if self._progress:
+            self._progress(progress)
+
+
+def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database:
+    """Open the database for writing, or make it; refuse one made otherwise."""
+    if not path.exists():
+        facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
+        return Database.create(path, identity, facts)
+    database = Database.open(path, read_only=False)
+    try:
+        database.require(identity)
+        found = database.metadata()
+        for key, wanted in (("seed", seed), ("spread", spread)):
+            if found[key] != wanted:
+                raise InputError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
+    except InputError:
+        database.close()
+        raise
+    return database
+
+
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("pinograsp", "pin", "coal", "numpy", "duckdb")}
+
+
+def _needed(accepted: dict[int, int], size: int) -> int | None:
+    """Return the least n for which the batches 0 .. n - 1 are there and give `size` rows, or None."""
+    rows = 0
+    for n in itertools.count():
+        if rows >= size:
+            return n
+        if n not in accepted:
+            return None
+        rows += accepted[n]
+    raise AssertionError("unreachable")
+
+
+def _missing_batches(path: Path, size: int) -> list[int]:
+    """Return the batches to compute next: as many as `size` rows are likely to take; none if they are there."""
+    with Database.open(path) as database:
+        accepted = dict(database.connection.execute("SELECT batch, accepted FROM batches").fetchall())
+    if _needed(accepted, size) is not None:
+        return []
+    mean = sum(accepted.values()) / len(accepted) if accepted else 0.0
+    if len(accepted) >= HOPELESS and mean == 0.0:
+        raise InputError(
+            f"none of {len(accepted) * DRAWS} random configurations is free of collision",
+            file=path,
+            remedy="Check mounting, enclosure and margins of the scene",
+        )
+    likely = math.ceil(1.005 * size / mean) if mean else HOPELESS
+    missing = [batch for batch in range(likely) if batch not in accepted]
+    return missing or [max(accepted) + 1]
+
+
+def _insert(database: Database, batch: Batch) -> None:
+    """Insert a batch with its line in `batches`, both or neither."""
+    rows = batch.columns  # read by its name in the statement below
+    listed = ", ".join(rows)
+    connection = database.connection
+    connection.execute("BEGIN")
+    connection.execute(f"INSERT INTO configurations ({listed}) SELECT {listed} FROM rows")
+    connection.execute("INSERT INTO batches VALUES (?, ?, ?)", [batch.number, DRAWS, batch.accepted])
+    connection.execute("COMMIT")
+
+
+def _finish(path: Path, size: int, pace: _Pace) -> None:
+    """Write what `size` needs, sorted, to a new file that takes the place of the old one; or leave it as it is."""
+    with Database.open(path, read_only=False) as database:
+        if database.metadata()["layout"] == "sorted":
+            return
+        accepted = dict(database.connection.execute("SELECT batch, accepted FROM batches").fetchall())
+        needed = _needed(accepted, size)
+        pace.sorting(sum(accepted[batch] for batch in range(needed or 0)))
+        joints = len(database.joints())
+        listed = ", ".join(columns(joints))
+        sorting = path.with_name(path.name + ".sorting")
+        sorting.unlink(missing_ok=True)
+        connection = database.connection
+        connection.execute(f"ATTACH '{_quoted(sorting)}' AS sorted")
+        create_tables(connection, joints, "sorted.")
+        connection.execute(
+            f"INSERT INTO sorted.configurations SELECT {listed} FROM configurations "
+            f"WHERE sample < {needed} * {DRAWS}::BIGINT ORDER BY cell, sample"
+        )
+        connection.execute(f"INSERT INTO sorted.batches SELECT * FROM batches WHERE batch < {needed} ORDER BY batch")
+        connection.execute("INSERT INTO sorted.metadata SELECT * FROM metadata")
+        for key, value in (("layout", '"sorted"'), ("size", str(size))):
+            connection.execute("UPDATE sorted.metadata SET value = ? WHERE key = ?", [value, key])
+        connection.execute("DETACH sorted")
+    sorting.replace(path)
+
+
+def _quoted(path: Path) -> str:
+    return str(path).replace("'", "''")

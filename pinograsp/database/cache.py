@@ -1,0 +1,46 @@
+"""Small databases in the user's cache folder, for plans that are given none."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from ..descriptions import SceneDescription
+from ..descriptions.scene import Margins
+from ..models import RobotModel
+from .build import BuildProgress, build_database
+from .identity import Identity
+from .store import Database
+
+SIZE = 150_000
+"""Configurations in a cached database."""
+SEED = 0
+
+
+def cache_folder() -> Path:
+    """Return the folder of cached databases: PINOGRASP_CACHE, or pinograsp below XDG_CACHE_HOME or ~/.cache."""
+    if own := os.environ.get("PINOGRASP_CACHE"):
+        return Path(own)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "pinograsp"
+
+
+def cached_database(
+    robot: RobotModel,
+    scene: SceneDescription,
+    margins: Margins,
+    *,
+    workers: int | None = None,
+    progress: Callable[[BuildProgress], None] | None = None,
+) -> Database:
+    """Return the small database of a robot, enclosure and margins; built on first use.
+
+    Raises:
+        InputError: the cached file is damaged; the message names it, so that it can be deleted.
+    """
+    identity = Identity.of(robot, scene, margins)
+    file = cache_folder() / f"{robot.description.name}-{scene.name}-{identity.digest[:16]}.duckdb"
+    return build_database(
+        robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
+    )

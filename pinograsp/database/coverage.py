@@ -1,0 +1,60 @@
+"""Which parts of the enclosure the wrist reaches, and from which directions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from .store import Database
+
+SECTORS = 24
+"""Approach directions are told apart by largest component with sign (6) and the signs of the two others (4)."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Counts per voxel of the enclosure."""
+
+    origin: Array
+    """Corner of the first voxel, m, world, shape (3,)."""
+    voxel: float
+    """Edge of a voxel, m."""
+    counts: NDArray[np.int64]
+    """Configurations whose wrist is in the voxel, shape (nx, ny, nz)."""
+    directions: NDArray[np.int64]
+    """How many of the `SECTORS` approach directions are among them, shape (nx, ny, nz)."""
+
+    @classmethod
+    def of(cls, database: Database, voxel: float = 0.05) -> Coverage:
+        """Count the configurations of a database by voxel and approach direction."""
+        walls = database.identity.enclosure["walls"]
+        origin, end = np.array(walls["min"]), np.array(walls["max"])
+        shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)
+        places = ", ".join(
+            f"least(greatest(floor(({name} - {low}) / {voxel}), 0), {most - 1})::INTEGER AS v{name}"
+            for name, low, most in zip("xyz", origin.tolist(), shape.tolist(), strict=True)
+        )
+        rows = database.connection.execute(
+            f"SELECT vx, vy, vz, count(*) AS total, count(DISTINCT sector) AS sectors "
+            f"FROM (SELECT {places}, {_SECTOR} AS sector FROM configurations) GROUP BY vx, vy, vz"
+        ).fetchnumpy()
+        index = (rows["vx"], rows["vy"], rows["vz"])
+        counts, directions = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
+        counts[index], directions[index] = rows["total"], rows["sectors"]
+        return cls(origin, voxel, counts, directions)
+
+    @property
+    def reached(self) -> float:
+        """Share of the voxels that the wrist reaches."""
+        return float((self.counts > 0).mean())
+
+
+_SECTOR = (
+    "CASE greatest(abs(ax), abs(ay), abs(az)) "
+    "WHEN abs(ax) THEN (ax > 0)::INTEGER * 4 + (ay > 0)::INTEGER * 2 + (az > 0)::INTEGER "
+    "WHEN abs(ay) THEN 8 + (ay > 0)::INTEGER * 4 + (ax > 0)::INTEGER * 2 + (az > 0)::INTEGER "
+    "ELSE 16 + (az > 0)::INTEGER * 4 + (ax > 0)::INTEGER * 2 + (ay > 0)::INTEGER END"
+)

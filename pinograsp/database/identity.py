@@ -1,0 +1,89 @@
+"""What a database belongs to: a robot, an enclosure and margins; nothing of objects or tasks."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..descriptions import SceneDescription
+from ..descriptions.scene import Margins
+from ..models import RobotModel, hand_opening
+
+MEANING = {
+    "robot": "URDF, SRDF, meshes, arm joints with limits, hand posture and wrist link",
+    "enclosure": "walls, mounting pose and fixed obstacles",
+    "margins": "least distances that the configurations keep",
+}
+"""What each part's hash is taken of."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Content of the three parts, as JSON data."""
+
+    robot: dict[str, Any]
+    enclosure: dict[str, Any]
+    margins: dict[str, Any]
+
+    @classmethod
+    def of(cls, robot: RobotModel, scene: SceneDescription, margins: Margins) -> Identity:
+        """Return the identity of a database for this robot, the enclosure of this scene and these margins."""
+        description = robot.description
+        size = robot.arm_size
+        meshes = sorted({_digest(Path(mesh)) for mesh in robot.urdf.meshes})
+        return cls(
+            robot={
+                "urdf": _digest(description.urdf_file),
+                "srdf": _digest(description.srdf_file) if description.srdf_file else None,
+                "meshes": hashlib.sha256("".join(meshes).encode()).hexdigest(),
+                "joints": list(description.arm.joints),
+                "lower": robot.lower[:size].tolist(),
+                "upper": robot.upper[:size].tolist(),
+                "hand": hand_opening(robot).tolist(),
+                "wrist": description.arm.wrist,
+            },
+            enclosure={
+                "walls": scene.enclosure.model_dump(mode="json"),
+                "mounting": scene.mounting.model_dump(mode="json"),
+                "obstacles": {name: body.model_dump(mode="json") for name, body in scene.obstacles.items()},
+            },
+            margins=margins.model_dump(mode="json"),
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> Identity:
+        """Read what `to_json` wrote."""
+        data = json.loads(text)
+        return cls(data["robot"], data["enclosure"], data["margins"])
+
+    def to_json(self) -> str:
+        """Return the identity as canonical JSON."""
+        return json.dumps({part: getattr(self, part) for part in MEANING}, sort_keys=True)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the whole."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()
+
+    def hash_of(self, part: str) -> str:
+        """Return the first 12 digits of the SHA-256 of one part."""
+        text = json.dumps(getattr(self, part), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    def differences(self, other: Identity) -> list[str]:
+        """Say, part by part, how another identity differs: both hashes, their meaning and the keys that differ."""
+        found = []
+        for part, meaning in MEANING.items():
+            mine, theirs = getattr(self, part), getattr(other, part)
+            if mine != theirs:
+                keys = ", ".join(key for key in mine.keys() | theirs.keys() if mine.get(key) != theirs.get(key))
+                hashes = f"{self.hash_of(part)} in the database, {other.hash_of(part)} wanted"
+                found.append(f"another {part} ({hashes}; the hash of {meaning}; different: {keys})")
+        return found
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -1,0 +1,147 @@
+"""Regions of a database, and starts that spread over them.
+
+A region is a ball or a box around a point, optionally with a cone of approach directions. The comparisons of x, y, z
+let DuckDB skip every row group outside: rows lie in the order of a space-filling curve of the wrist position.
+
+A spread selection divides the region into classes (cell of the wrist position, approach direction by its largest
+component, signs of the sines of the first four joints) and takes one row of each class in turn, instead of the
+neighbours that a plain LIMIT would give.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from .store import Database
+
+_CANDIDATES = 40
+"""Rows a selection looks at for every row that it returns, at most."""
+_CELLS = 6
+"""Cells along each axis of a region, for the spread."""
+_HASH = "((sample * 2654435761 + $seed * 40503) % 4294967296)"
+"""A scattered number of each sample, from 0 to 2^32 - 1."""
+
+
+@dataclass(frozen=True)
+class Cone:
+    """Approach directions within `half_angle` (rad) of `axis` (3,), world."""
+
+    axis: Array
+    half_angle: float
+
+
+@dataclass(frozen=True)
+class Configurations:
+    """Rows of a database."""
+
+    q: Array
+    """Arm joints in the order of the robot file, rad (m), shape (N, l)."""
+    positions: Array
+    """Wrist positions, m, world, shape (N, 3)."""
+    approaches: Array
+    """Approach directions, world, shape (N, 3)."""
+    clearances: Array
+    """m, shape (N,)."""
+    samples: Array
+    """Numbers of the samples, shape (N,)."""
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.q)
+
+
+def region(
+    database: Database, center: Array, extent: float | Array, *, cone: Cone | None = None, limit: int | None = None
+) -> Configurations:
+    """Return configurations whose wrist is near a point, in the order of the file.
+
+    Args:
+        database: an open database.
+        center: m, world, shape (3,).
+        extent: radius of a ball, m, or half edges of a box, m, shape (3,).
+        cone: approach directions wanted.
+        limit: at most so many rows.
+    """
+    where, values = _condition(center, extent, cone)
+    most = "" if limit is None else f" LIMIT {int(limit)}"
+    return _fetch(database, f"SELECT {_listed(database)} FROM configurations WHERE {where}{most}", values)
+
+
+def spread_selection(
+    database: Database, center: Array, extent: float | Array, count: int, *, cone: Cone | None = None, seed: int = 0
+) -> Configurations:
+    """Return up to `count` configurations of a region, spread over wrist position, approach and posture.
+
+    Args:
+        database: an open database.
+        center: m, world, shape (3,).
+        extent: radius of a ball, m, or half edges of a box, m, shape (3,).
+        count: number of configurations wanted.
+        cone: approach directions wanted.
+        seed: of the choice within each class.
+    """
+    where, values = _condition(center, extent, cone)
+    counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {where}", values).fetchall()
+    there = int(counted[0][0])
+    share = min(1.0, _CANDIDATES * count / there) if there else 1.0
+    values |= {"seed": seed, "below": int(share * 2**32)}
+    cell = 2.0 * float(np.max(extent)) / _CELLS
+    signs = ", ".join(f"sin(q{i}) > 0" for i in range(1, min(len(database.joints()), 4) + 1))
+    largest = "greatest(abs(ax), abs(ay), abs(az))"
+    facing = f"CASE {largest} WHEN abs(ax) THEN 2 + sign(ax) WHEN abs(ay) THEN 12 + sign(ay) ELSE 22 + sign(az) END"
+    classes = f"floor(x / {cell}), floor(y / {cell}), floor(z / {cell}), {facing}, {signs}"
+    sql = (
+        f"SELECT {_listed(database)} FROM (SELECT *, {_HASH} AS scattered FROM configurations WHERE {where}) "
+        f"WHERE scattered < $below "
+        f"ORDER BY row_number() OVER (PARTITION BY {classes} ORDER BY scattered, sample), scattered, sample "
+        f"LIMIT {int(count)}"
+    )
+    return _fetch(database, sql, values)
+
+
+def _condition(center: Array, extent: float | Array, cone: Cone | None) -> tuple[str, dict[str, Any]]:
+    """Return a WHERE clause with its parameters."""
+    half = np.broadcast_to(np.asarray(extent, dtype=float), 3)
+    values: dict[str, Any] = {}
+    parts = []
+    for name, middle, reach in zip("xyz", np.asarray(center, dtype=float).tolist(), half.tolist(), strict=True):
+        values |= {f"{name}_low": middle - reach, f"{name}_high": middle + reach}
+        # FLOAT bounds, like the column: a comparison in DOUBLE could not use the row groups' statistics.
+        parts.append(f"{name} BETWEEN ${name}_low::FLOAT AND ${name}_high::FLOAT")
+        if np.ndim(extent) == 0:
+            values[f"{name}_center"] = middle
+    if np.ndim(extent) == 0:
+        square = " + ".join(f"({name} - ${name}_center) ** 2" for name in "xyz")
+        parts.append(f"{square} <= $radius ** 2")
+        values["radius"] = float(extent)
+    if cone is not None:
+        axis = np.asarray(cone.axis, dtype=float) / np.linalg.norm(cone.axis)
+        values |= {"cone_x": axis[0], "cone_y": axis[1], "cone_z": axis[2], "cosine": math.cos(cone.half_angle)}
+        parts.append("ax * $cone_x + ay * $cone_y + az * $cone_z >= $cosine")
+    return " AND ".join(parts), values
+
+
+def _listed(database: Database) -> str:
+    angles = ", ".join(f"q{i}" for i in range(1, len(database.joints()) + 1))
+    return f"{angles}, x, y, z, ax, ay, az, clearance, sample"
+
+
+def _fetch(database: Database, sql: str, values: dict[str, Any]) -> Configurations:
+    columns = database.connection.execute(sql, values).fetchnumpy()
+
+    def stacked(*names: str) -> Array:
+        return np.column_stack([np.asarray(columns[name], dtype=float) for name in names])
+
+    angles = [name for name in columns if name.startswith("q")]
+    return Configurations(
+        stacked(*angles),
+        stacked("x", "y", "z"),
+        stacked("ax", "ay", "az"),
+        np.asarray(columns["clearance"], dtype=float),
+        np.asarray(columns["sample"]),
+    )

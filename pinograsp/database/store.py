@@ -1,0 +1,178 @@
+"""The DuckDB file.
+
+    configurations   one row a collision-free arm configuration (columns: see `columns`)
+    batches          batch, drawn, accepted: which batches of samples the rows come from
+    metadata         key and value (JSON): format, identity, seed, spread, layout, size, versions
+
+The file can be opened at any time. While it is being built its rows are unsorted (layout "unsorted"); a complete
+one is stored in the order of a space-filling curve of the wrist position (layout "sorted").
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import duckdb
+
+from ..errors import InputError
+from .identity import Identity
+
+FORMAT = 1
+APPLICATION = "pinograsp start database"
+
+
+def columns(joints: int) -> dict[str, str]:
+    """Return the columns of `configurations` with their SQL types.
+
+    q1 .. ql: arm joints in the order of the robot file, rad (m); x, y, z: wrist position, m, world; ax, ay, az:
+    approach direction (the wrist's z axis), world; clearance: least distance to walls, obstacles and itself, m,
+    at most 0.05; cell: Morton index of the wrist position; sample: number of the random sample.
+    """
+    angles = {f"q{i}": "FLOAT" for i in range(1, joints + 1)}
+    vectors = dict.fromkeys(("x", "y", "z", "ax", "ay", "az", "clearance"), "FLOAT")
+    return {**angles, **vectors, "cell": "UINTEGER", "sample": "BIGINT"}
+
+
+class Database:
+    """An open database file; a context manager."""
+
+    def __init__(self, file: Path, connection: duckdb.DuckDBPyConnection) -> None:
+        self.file = file
+        self.connection = connection
+
+    @classmethod
+    def open(cls, file: Path | str, *, read_only: bool = True) -> Database:
+        """Open an existing database.
+
+        Raises:
+            InputError: the file is missing, damaged, foreign, of another format or in use.
+        """
+        path = Path(file)
+        if not path.is_file():
+            raise InputError("no such database", file=path, remedy="Make it with `pinograsp database build`")
+        try:
+            connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
+        except duckdb.IOException as error:
+            if "lock" in str(error).lower():
+                raise InputError("is in use by another process", file=path, remedy="Wait until it is done") from None
+            raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+        except duckdb.Error:
+            raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+        database = cls(path, connection)
+        try:
+            found = database.metadata()
+            if found.get("application") != APPLICATION or found.get("format") != FORMAT:
+                raise InputError(
+                    f"is not a {APPLICATION} of format {FORMAT}; it was left as it is",
+                    file=path,
+                    remedy="Name another file",
+                )
+        except duckdb.Error:
+            database.close()
+            raise InputError(f"is a DuckDB file, but not a {APPLICATION}; it was left as it is", file=path) from None
+        except InputError:
+            database.close()
+            raise
+        return database
+
+    @classmethod
+    def create(cls, file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
+        """Make a new, empty database; it appears whole or not at all."""
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_name(file.name + ".partial")
+        partial.unlink(missing_ok=True)
+        with duckdb.connect(str(partial)) as connection:
+            create_tables(connection, len(identity.robot["joints"]))
+            facts = {"application": APPLICATION, "format": FORMAT, **facts}
+            rows = [(key, json.dumps(value)) for key, value in facts.items()]
+            rows.append(("identity", identity.to_json()))
+            connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
+        partial.replace(file)
+        return cls.open(file, read_only=False)
+
+    def __enter__(self) -> Database:
+        """Return the database; it is closed at the end of the block."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the file."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self.connection.close()
+
+    def metadata(self) -> dict[str, Any]:
+        """Return the metadata, JSON values read."""
+        rows = self.connection.execute("SELECT key, value FROM metadata").fetchall()
+        return {key: json.loads(value) for key, value in rows}
+
+    def set_metadata(self, key: str, value: Any) -> None:
+        """Set one value of the metadata."""
+        self.connection.execute("INSERT OR REPLACE INTO metadata VALUES (?, ?)", [key, json.dumps(value)])
+
+    @property
+    def identity(self) -> Identity:
+        """What the database belongs to."""
+        rows = self.connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
+        return Identity.from_json(rows[0][0])
+
+    def require(self, wanted: Identity) -> None:
+        """Refuse the database unless it belongs to this robot, enclosure and margins.
+
+        Raises:
+            InputError: it does not; the message says in what it differs.
+        """
+        differences = self.identity.differences(wanted)
+        if differences:
+            raise InputError(
+                "was made for " + " and ".join(differences),
+                file=self.file,
+                remedy="Build one for this robot and scene, or use the scene it was made for",
+            )
+
+    def rows(self) -> int:
+        """Return the number of configurations."""
+        return int(self.connection.execute("SELECT count(*) FROM configurations").fetchall()[0][0])
+
+    def joints(self) -> list[str]:
+        """Return the arm joints in the order of q1, q2, ..."""
+        return list(self.identity.robot["joints"])
+
+    def info(self) -> dict[str, Any]:
+        """Return counts, layout, size and metadata."""
+        drawn, batches = self.connection.execute("SELECT coalesce(sum(drawn), 0), count(*) FROM batches").fetchall()[0]
+        facts = {key: value for key, value in self.metadata().items() if key != "identity"}
+        identity = self.identity
+        return {
+            "rows": self.rows(),
+            "samples drawn": int(drawn),
+            "batches": int(batches),
+            "bytes": self.file.stat().st_size,
+            **facts,
+            "joints": self.joints(),
+            "hashes": {part: identity.hash_of(part) for part in ("robot", "enclosure", "margins")},
+            "margins": identity.margins,
+        }
+
+    def export_parquet(self, file: Path) -> None:
+        """Write the configurations as one Parquet file, q1 .. ql under the names of their joints."""
+        names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
+        others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
+        target = str(file).replace("'", "''")
+        self.connection.execute(
+            f"COPY (SELECT {names}, {others} FROM configurations) TO '{target}' (FORMAT parquet, COMPRESSION zstd)"
+        )
+
+
+def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:
+    """Create the three tables, in an attached catalog if one is named (`name.`)."""
+    listed = ", ".join(f"{name} {kind}" for name, kind in columns(joints).items())
+    connection.execute(f"CREATE TABLE {catalog}configurations ({listed})")
+    connection.execute(f"CREATE TABLE {catalog}batches (batch INTEGER PRIMARY KEY, drawn INTEGER, accepted INTEGER)")
+    connection.execute(f"CREATE TABLE {catalog}metadata (key VARCHAR PRIMARY KEY, value VARCHAR)")

@@ -1,0 +1,307 @@
+"""The command line: exit codes, messages, files. Nearly all of it in this process."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import pinograsp
+from pinograsp import cli
+from pinograsp.descriptions import schema, shipped_robots, shipped_scenes
+
+ROBOT = shipped_robots()["gen3_2f85"].read_text()
+SCENE = shipped_scenes()["glovebox"].read_text()
+COMMAND = [sys.executable, "-c", "from pinograsp.cli import main; main()"]
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def run_once(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out, captured.err
+
+    return run_once
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+def refused(outcome: tuple[int, str, str]) -> str:
+    """Require exit code 2, one line of error and nothing else; return the line."""
+    code, output, errors = outcome
+    assert code == 2
+    assert output == ""
+    assert errors.startswith("error: ")
+    assert errors.endswith("\n")
+    assert errors.count("\n") == 1
+    return errors
+
+
+# Input that cannot be used.
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "words"),
+    [
+        ("force_weight", "force_wieght", "tasks.sphere.force_wieght", "Did you mean force_weight?"),
+        ("radius: 0.0373", "radius: 0.0.5", "objects.sphere.shape.radius", "a number is wanted"),
+        ("[0.801, 0.020, -0.1997]", "[0.801, 0.020, -0.25]", "objects.sphere.pose", "50.3 mm beyond wall z=-0.237"),
+        ("[0.801, 0.020, -0.1997]", "[2.0, 0.020, -0.1997]", "objects.sphere.pose", "outside the enclosure"),
+        ("[0.0, -0.0373, 0.0]", "[0.0, -0.05, 0.0]", "tasks.sphere.desired_contacts[1]", "12.7 mm outside the surface"),
+        ("[0.0, -0.0373, 0.0]", "[0.0, 0.0, 0.0]", "tasks.sphere.desired_contacts[1]", "37.3 mm inside the surface"),
+        (
+            "[0.0, -0.0373, 0.0]\n",
+            "[0.0, -0.0373, 0.0]\n      - [0.0373, 0.0, 0.0]\n",
+            "tasks.sphere.desired_contacts",
+            "one for each pad",
+        ),
+    ],
+)
+def test_bad_scene(run: Run, old: str, new: str, key: str, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "scene.yaml"
+    file.write_text(changed(SCENE, old, new))
+    message = refused(run("plan", "scene.yaml", "--task", "sphere", "--starts", 1, "--workers", 1))
+    assert f"{file.name}" in message
+    assert f": {key}: " in message
+    assert words in message
+
+
+def test_jaw_too_small(run: Run, tmp_path: Path) -> None:
+    text = SCENE.replace("0.0373", "0.06").replace("-0.1997", "-0.17")
+    (tmp_path / "scene.yaml").write_text(text)
+    message = refused(run("plan", "scene.yaml", "--task", "sphere", "--starts", 1, "--workers", 1))
+    assert "scene.yaml: objects.sphere.shape: the pads open to 8" in message
+    assert "120.0 mm wide" in message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "words"),
+    [
+        ("joint_7]", "joint_77]", "arm.joints[6]", "'joint_77' is not in kinova_robotiq.urdf. Did you mean joint_7"),
+        ("kinova_robotiq.urdf", "kinova.urdf", "urdf", "kinova.urdf was not found"),
+        ("pads:", "padz:", "padz", "Did you mean pads"),
+    ],
+)
+def test_bad_robot(run: Run, old: str, new: str, key: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(changed(ROBOT, old, new))
+    message = refused(run("plan", "glovebox", "--task", "sphere", "--robot", "robot.yaml"))
+    assert "robot.yaml" in message
+    assert f": {key}: " in message
+    assert words in message
+
+
+def test_mesh_that_is_not_found(run: Run, tmp_path: Path, gen3: pinograsp.RobotModel) -> None:
+    urdf = gen3.description.urdf_file.read_text()
+    (tmp_path / "arm.urdf").write_text(urdf.replace("collision/left_knuckle.stl", "collision/no_such_mesh.stl"))
+    assert "no_such_mesh" in (tmp_path / "arm.urdf").read_text()
+    address = next(line for line in ROBOT.splitlines() if line.startswith("urdf:"))
+    (tmp_path / "robot.yaml").write_text(changed(ROBOT, address, "urdf: arm.urdf"))
+    message = refused(run("plan", "glovebox", "--task", "sphere", "--robot", tmp_path))
+    assert "arm.urdf: link " in message
+    assert "no_such_mesh" in message
+    assert "was not found" in message
+
+
+def test_files_and_names_that_do_not_exist(run: Run) -> None:
+    scene = refused(run("plan", "nowhere/[scene].yaml", "--task", "sphere"))
+    assert "nowhere/[scene].yaml: no such scene file" in scene  # and [scene] is no markup
+    robot = refused(run("plan", "glovebox", "--task", "sphere", "--robot", "gen3"))
+    assert "gen3: no such robot file" in robot
+    task = refused(run("plan", "glovebox", "--task", "spere", "--workers", 1))
+    assert "glovebox.yaml: tasks: no task 'spere' in this scene. Did you mean sphere?" in task
+
+
+def test_folder_that_cannot_be_made_is_refused_before_the_work(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    message = refused(run("plan", "glovebox", "--task", "sphere", "--starts", 100_000, "--out", "taken"))
+    assert "taken: --out: " in message
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["plan", "glovebox"],
+        ["plan", "glovebox", "--task", "sphere", "--starts", "0"],
+        ["plan", "glovebox", "--task", "sphere", "--starts", "many"],
+        ["plan", "glovebox", "--task", "sphere", "--workers", "0"],
+        ["plan", "glovebox", "--task", "sphere", "--seed", "-1"],
+        ["plan", "glovebox", "--task", "sphere", "--algorithm", "LN_BOBYQA"],
+        ["plan", "glovebox", "--task", "sphere", "--no-such-option"],
+        ["schema", "task"],
+        ["paint"],
+    ],
+    ids=lambda arguments: " ".join(arguments[-2:]),
+)
+def test_usage_error(run: Run, arguments: list[str]) -> None:
+    code, output, errors = run(*arguments)
+    assert code == 2
+    assert output == ""
+    assert "Usage: pinograsp" in errors
+    assert "Traceback" not in errors
+
+
+# Runs.
+
+
+def test_good_run(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "a folder" / "of [results]"
+    code, output, errors = run("plan", "glovebox", "--task", "sphere", "--starts", 12, "--workers", 1, "--out", folder)
+    assert code == 0
+    assert errors == ""
+    result = pinograsp.read_json(folder / "glovebox_sphere.json")
+    assert result.done == result.starts == 12
+    assert result.best is not None
+    assert f"sphere: best of {len(result.grasps)} distinct grasps, gen3_2f85 in glovebox" in output
+    assert f"{result.reliable} of 12 starts reliable" in output
+    assert f"{result.best.cost.U:.4g}" in output
+    page = folder / "glovebox_sphere.html"
+    assert "<html" in page.read_text()[:1000].lower()
+    for file in (folder / "glovebox_sphere.json", page):
+        assert f"written: {file}\n" in output  # in one piece, however long
+    assert sorted(folder.iterdir()) == sorted([folder / "glovebox_sphere.json", page])
+
+
+def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:
+    # Fingers 60 mm above the floor cannot hold a sphere whose equator is 37 mm above it.
+    (tmp_path / "scene.yaml").write_text(changed(SCENE, "{enclosure: 0.005", "{enclosure: 0.06"))
+    code, output, errors = run("plan", "scene.yaml", "--task", "sphere", "--starts", 4, "--workers", 1)
+    assert code == 1
+    assert errors == ""
+    assert "No verified grasp was found." in output
+    assert "0 of 4 starts reliable" in output
+    result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
+    assert result.best is None
+    assert sum(blocked.starts for blocked in result.blocked.values()) == 4
+    assert result.blocked["enclosure"].starts >= 2
+    assert result.blocked["enclosure"].nearest_miss > 5.0
+    for kind, blocked in result.blocked.items():
+        assert f"blocked by {kind}: {blocked.starts} starts, nearest miss" in output
+    assert "wall z=-0.237" in output
+    assert not (tmp_path / "out" / "glovebox_sphere.html").exists()
+
+
+def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:
+    text = changed(changed(SCENE, "max: [1.10,", "max: [9.0,"), "[0.801, 0.020", "[5.0, 0.020")
+    (tmp_path / "scene.yaml").write_text(text)
+    code, output, errors = run("plan", "scene.yaml", "--task", "sphere", "--starts", 6, "--workers", 2)
+    assert code == 1
+    assert errors == ""
+    assert "No verified grasp was found." in output
+    assert "6 of 6 starts not tried: no more collision-free starts near the object were found" in output
+
+
+def test_list_and_schema(run: Run) -> None:
+    code, output, _ = run("list")
+    assert code == 0
+    assert "robot gen3_2f85: Kinova Gen3" in output
+    assert "scene glovebox: " in output
+    assert "tasks: sphere" in output
+    for kind in ("robot", "scene"):
+        code, output, _ = run("schema", kind)
+        assert code == 0
+        assert json.loads(output) == schema(kind)  # type: ignore[arg-type]
+
+
+# Real processes.
+
+
+def test_error_from_a_real_process(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*COMMAND, "plan", "nope.yaml", "--task", "sphere"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: nope.yaml: no such scene file")
+    assert done.stderr.count("\n") == 1
+
+
+def group_members(group: int) -> list[int]:
+    """Process numbers of the living members of a process group."""
+    members = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            state, _, process_group = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
+        except OSError:  # ended meanwhile
+            continue
+        if int(process_group) == group and state != "Z":
+            members.append(int(entry.name))
+    return members
+
+
+CTRL_C_STARTS = 1000
+PLAN_WITH_A_SIGN = """
+import sys
+from pathlib import Path
+from pinograsp import cli, planner
+
+def sign(attempts, total, real=planner._progress):
+    progress = real(attempts, total)
+    if progress.reliable:
+        Path("begun").touch()
+    return progress
+
+planner._progress = sign
+cli.main()
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
+    arguments = [
+        "plan",
+        "glovebox",
+        "--task",
+        "sphere",
+        "--starts",
+        str(CTRL_C_STARTS),
+        "--workers",
+        "2",
+        "--no-html",
+    ]
+    with (tmp_path / "output").open("w") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-c", PLAN_WITH_A_SIGN, *arguments],
+            cwd=tmp_path,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    try:
+        deadline = time.monotonic() + 120
+        while not (tmp_path / "begun").exists() and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert len(group_members(process.pid)) == 3
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        code = process.wait(120)
+        said = (tmp_path / "output").read_text()
+        assert code == 130, said
+        assert "Traceback" not in said
+        assert group_members(process.pid) == []
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    (written,) = (tmp_path / "out").iterdir()
+    result = pinograsp.read_json(written)
+    assert result.interrupted
+    assert result.best is not None
+    assert 0 < result.done < CTRL_C_STARTS
+    assert f"{CTRL_C_STARTS - result.done} of {CTRL_C_STARTS} starts not tried: interrupted" in said

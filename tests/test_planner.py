@@ -1,0 +1,201 @@
+"""The whole way on the real robot, with few starts."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pinograsp import InputError, Progress, Result, RobotModel, SolverOptions, plan, write_json
+from pinograsp.descriptions import SceneDescription
+from pinograsp.problem import TaskModel
+from pinograsp.verification import Certificate, Claim, Verifier
+
+STARTS = 40
+
+
+@dataclasses.dataclass
+class Run:
+    result: Result
+    progress: list[Progress]
+
+
+@pytest.fixture(scope="module")
+def runs(gen3: RobotModel, glovebox: SceneDescription) -> dict[int, Run]:
+    """The same run with one, two and three workers."""
+
+    def run(workers: int) -> Run:
+        seen: list[object] = []
+        result = plan(gen3, glovebox, "sphere", starts=STARTS, workers=workers, seed=0, progress=seen.append)
+        return Run(result, [progress for progress in seen if isinstance(progress, Progress)])
+
+    return {workers: run(workers) for workers in (1, 2, 3)}
+
+
+@pytest.fixture(scope="module")
+def result(runs: dict[int, Run]) -> Result:
+    return runs[2].result
+
+
+def content(result: Result, folder: Path) -> dict[str, Any]:
+    """Everything in the result's file except times and the number of workers."""
+    file = folder / "result.json"
+    write_json(result, file)
+    data: dict[str, Any] = json.loads(file.read_text())
+    del data["times_s"], data["provenance"]["workers"]
+    return data
+
+
+@pytest.mark.parametrize("workers", [2, 3])
+def test_the_number_of_workers_changes_nothing(runs: dict[int, Run], workers: int, tmp_path: Path) -> None:
+    assert content(runs[workers].result, tmp_path) == content(runs[1].result, tmp_path)
+
+
+def test_another_seed_gives_other_grasps(gen3: RobotModel, glovebox: SceneDescription, result: Result) -> None:
+    other = plan(gen3, glovebox, "sphere", starts=4, workers=1, seed=1)
+    postures = np.array([grasp.q_arm for grasp in result.grasps])
+    again = [np.abs(postures - grasp.q_arm).max(axis=1).min() < 1e-3 for grasp in other.grasps]
+    assert len(again) > 1
+    assert sum(again) <= 1  # a start may come again by chance
+
+
+def test_good_grasps_of_the_sphere(result: Result) -> None:
+    assert result.best is not None
+    assert result.best.cost.U <= 2.180  # the paper's best: 2.178
+    assert result.best.cost.phi_mm2 < 1e-3
+    assert result.reliable >= 0.85 * STARTS
+    assert result.refuted == 0
+
+
+def test_counts_add_up(result: Result) -> None:
+    assert result.done == result.starts == STARTS
+    assert not result.interrupted
+    assert sum(grasp.count for grasp in result.grasps) == result.reliable
+    assert result.reliable + sum(blocked.starts for blocked in result.blocked.values()) == STARTS
+    assert result.counts["converged"] + result.counts["feasible"] == result.reliable + result.refuted
+    starts = [grasp.start for grasp in result.grasps]
+    assert len(set(starts)) == len(starts)
+    assert set(starts) <= set(range(STARTS))
+
+
+def test_grasps_are_verified_and_sorted(result: Result, glovebox: SceneDescription) -> None:
+    costs = [grasp.cost.U for grasp in result.grasps]
+    assert costs == sorted(costs)
+    k = glovebox.tasks["sphere"].force_weight
+    for grasp in result.grasps:
+        assert grasp.certificate.verified
+        U, phi_mm2, V = dataclasses.astuple(grasp.cost)
+        assert pytest.approx(phi_mm2 + k * V, rel=1e-12) == U
+        miss = sum(np.sum((c.point - c.desired_point) ** 2) for c in grasp.contacts)
+        assert grasp.cost.phi_mm2 == pytest.approx(1e6 * miss, rel=1e-9)
+
+
+def test_contact_forces_carry_the_weight(result: Result, glovebox: SceneDescription) -> None:
+    scene_object = glovebox.objects["sphere"]
+    wrench = np.array(glovebox.tasks["sphere"].wrench.force)
+    for grasp in result.grasps:
+        force = sum(contact.force for contact in grasp.contacts)
+        arms = [contact.point - scene_object.center_of_mass_world for contact in grasp.contacts]
+        torque = sum(np.cross(arm, c.force) for arm, c in zip(arms, grasp.contacts, strict=True))
+        np.testing.assert_allclose(force + wrench, 0.0, atol=5e-3)
+        np.testing.assert_allclose(torque, 0.0, atol=1e-4)
+        for contact, arm in zip(grasp.contacts, arms, strict=True):
+            assert np.linalg.norm(arm) == pytest.approx(0.0373, abs=1e-5)
+            np.testing.assert_allclose(contact.normal, arm / np.linalg.norm(arm), atol=1e-9)
+            assert contact.force @ contact.normal < 0  # pads push
+
+
+def test_every_desired_point_is_served_once(result: Result, sphere_task: TaskModel) -> None:
+    wanted = sorted(sphere_task.desired_points.tolist())
+    for grasp in result.grasps:
+        assert sorted(contact.desired_point.tolist() for contact in grasp.contacts) == wanted
+        assert [contact.pad for contact in grasp.contacts] == ["left", "right"]
+
+
+def test_run_is_recorded(result: Result) -> None:
+    assert (result.robot, result.scene, result.task) == ("gen3_2f85", "glovebox", "sphere")
+    assert result.provenance["seed"] == 0
+    assert result.provenance["workers"] == 2
+    assert result.provenance["options"]["algorithm"] == "LD_SLSQP"
+    assert result.times["total"] > result.times["solver_mean"] > 0.0
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_progress_counts_every_start(runs: dict[int, Run], workers: int) -> None:
+    result, seen = runs[workers].result, runs[workers].progress
+    assert [progress.done for progress in seen] == list(range(1, STARTS + 1))
+    assert {progress.total for progress in seen} == {STARTS}
+    assert seen[-1].reliable == result.reliable
+    assert result.best is not None
+    assert seen[-1].best_U == result.best.cost.U
+    bests = [progress.best_U for progress in seen]
+    assert bests == sorted(bests, reverse=True)
+
+
+def test_interruption_keeps_what_is_done(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    def interrupt(progress: object) -> None:
+        if isinstance(progress, Progress) and progress.done == 5:
+            raise KeyboardInterrupt
+
+    result = plan(gen3, glovebox, "sphere", starts=30, workers=1, progress=interrupt)
+    assert result.interrupted
+    assert (result.done, result.starts) == (5, 30)
+    assert result.best is not None
+
+
+def test_other_exceptions_of_the_callback_are_not_swallowed(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    def fail(progress: object) -> None:
+        if isinstance(progress, Progress):
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        plan(gen3, glovebox, "sphere", starts=9, workers=2, progress=fail)
+
+
+def test_cobyla(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    options = SolverOptions(algorithm="LN_COBYLA", max_evaluations=60)
+    result = plan(gen3, glovebox, "sphere", starts=3, workers=1, options=options)
+    assert result.done == 3
+    assert result.provenance["options"] == options.to_json()
+    assert all(grasp.certificate.verified for grasp in result.grasps)
+
+
+@pytest.fixture
+def refuting(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A verifier that finds every grasp 3 mm too near to the enclosure."""
+    real = Verifier.check
+
+    def refute(self: Verifier, claim: Claim) -> Certificate:
+        figures = {figure.name: figure for figure in real(self, claim).figures}
+        figure = figures["enclosure clearance"]
+        figures[figure.name] = dataclasses.replace(figure, value=figure.limit - 0.003)
+        return Certificate(tuple(figures.values()))
+
+    monkeypatch.setattr(Verifier, "check", refute)
+    yield
+
+
+@pytest.mark.usefixtures("refuting")
+def test_refuted_grasps_are_not_reliable(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    result = plan(gen3, glovebox, "sphere", starts=6, workers=1)
+    assert result.best is None
+    assert result.reliable == 0
+    assert result.refuted == result.counts["converged"] + result.counts["feasible"] > 0
+    blocked = result.blocked["check of enclosure clearance"]
+    assert blocked.starts == result.refuted
+    assert blocked.nearest_miss == pytest.approx(0.003)
+
+
+def test_task_that_does_not_exist(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    with pytest.raises(InputError, match=r"no task 'spere'.*Did you mean sphere"):
+        plan(gen3, glovebox, "spere")
+
+
+@pytest.mark.usefixtures("runs")
+def test_robot_is_left_as_it_was(gen3: RobotModel) -> None:
+    np.testing.assert_array_equal(gen3.T_world_root, np.eye(4))
