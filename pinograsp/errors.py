@@ -49,5 +49,7 @@ def close_names(name: str, known: list[str]) -> str:
     """Return a remedy that lists the names closest to `name` among `known`."""
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=3, cutoff=0.5) or sorted(known)[:8]
-    return f"Did you mean {' or '.join(close)}?" if close else "None is defined."
+    close = get_close_matches(name, known, n=3, cutoff=0.5)
+    if close:
+        return f"Did you mean {' or '.join(close)}?"
+    return f"Known: {', '.join(sorted(known)[:12])}" if known else "None is defined"

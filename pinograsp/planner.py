@@ -17,6 +17,7 @@ import numpy as np
 from .arrays import Array
 from .database import BuildProgress, Database, Identity, cached_database
 from .descriptions import SceneDescription
+from .errors import InputError
 from .models import RobotModel
 from .pool import work
 from .problem import TaskModel, check_task
@@ -62,7 +63,8 @@ def plan(
     seed: int = 0,
     database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Callable[[Progress | BuildProgress], None] | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    build_progress: Callable[[BuildProgress], None] | None = None,
 ) -> Result:
     """Find, verify and rank grasps.
 
@@ -78,12 +80,16 @@ def plan(
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called after every start, and while a database is built.
+        progress: called after every start.
+        build_progress: called after every batch while a database is built.
 
     Raises:
-        InputError: the task does not exist or makes no sense for this robot and scene, or the database belongs to
-            another robot, enclosure or margin.
+        InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
+            another robot, enclosure or margin, or a number is out of range.
     """
+    for name, number, least in (("starts", starts, 1), ("seed", seed, 0), ("workers", workers or 1, 1)):
+        if number < least:
+            raise InputError(f"must be at least {least}, not {number}", key=name)
     began = time.perf_counter()
     options = options or SolverOptions()
     workers = workers or os.cpu_count() or 1
@@ -94,7 +100,7 @@ def plan(
     times = {"prepare": time.perf_counter() - began}
     run: dict[str, object] = {"seed": seed, "workers": workers, "options": options.to_json()}
     try:
-        opened = _database(database, model, workers, progress)
+        opened = _database(database, model, workers, build_progress)
         times["database"] = time.perf_counter() - began - times["prepare"]
         postures = starts_near(opened, model, starts, seed)
         run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
@@ -116,7 +122,7 @@ def _database(
     given: Database | Path | str | None,
     model: TaskModel,
     workers: int,
-    progress: Callable[[Progress | BuildProgress], None] | None,
+    progress: Callable[[BuildProgress], None] | None,
 ) -> Database:
     """Return the database to take starts from, open for reading, for certain the right one."""
     robot, scene, margins = model.robot, model.scene, model.task.margin

@@ -62,7 +62,20 @@ def _begin(prepare: Callable[[], Callable[[Any], Any]]) -> None:
     threading.Thread(target=_die_with_parent, args=(os.getppid(),), daemon=True).start()
     threadpool_limits(1)  # the processes are the parallelism: BLAS threads would only compete with them
     global _handle
-    _handle = prepare()
+    try:
+        _handle = prepare()
+    except Exception as error:
+        _handle = _Raise(error)  # reaches the parent as the outcome of the first item, not as a broken pool
+
+
+class _Raise:
+    """Handles every item by raising an error."""
+
+    def __init__(self, error: Exception) -> None:
+        self._error = error
+
+    def __call__(self, item: object) -> None:
+        raise self._error
 
 
 def _die_with_parent(parent: int) -> None:

@@ -390,7 +390,7 @@ def test_urdf_or_srdf_that_does_not_exist(key: str, address: str, tmp_path: Path
         ),
         (
             {"pads": [TOY_ROBOT["pads"][0], TOY_ROBOT["pads"][1] | {"link": "arm"}]},
-            "pads.right.link",
+            "pads[1].link",
             "not moved by the hand",
         ),
     ],
@@ -423,7 +423,6 @@ def test_urdf_that_cannot_be_used(old: str, new: str, file: str, key: str | None
     assert words in str(error)
 
 
-@pytest.mark.xfail(strict=True, reason="models.urdf: a malformed URDF is not yet refused in these cases")
 @pytest.mark.parametrize(
     ("old", "new"),
     [

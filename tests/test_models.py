@@ -16,9 +16,10 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from pinograsp.descriptions import SceneDescription
-from pinograsp.descriptions.scene import Pose
+from pinograsp.descriptions.scene import Margins, Pose
 from pinograsp.descriptions.shapes import Box, Sphere
 from pinograsp.models import (
+    BatchClearance,
     CollisionModel,
     Configuration,
     RobotModel,
@@ -28,6 +29,7 @@ from pinograsp.models import (
     surface_of,
 )
 from pinograsp.models.batch import BatchKinematics
+from pinograsp.models.batch_clearance import CAP
 from pinograsp.models.bodies import robot_solids
 from pinograsp.models.collision import REACH
 from pinograsp.problem import GraspProblem, TaskModel
@@ -504,19 +506,42 @@ def test_distances_do_not_depend_on_the_query_before(
         np.testing.assert_array_equal(one.gradients, other.gradients)
 
 
-def test_clear_ignores_the_object_and_keeps_margins(sphere_task: TaskModel) -> None:
-    model, robot = sphere_task.collisions, sphere_task.robot
-    kinds = np.array([pair.kind for pair in model.pairs])
-    found = set()
-    for posture in random_postures(robot, 400, seed=3):
-        at = configuration(robot, posture)
-        distances = model.distances(at)
-        outside = distances.values[kinds[distances.indices] == "enclosure"].min(initial=REACH)
-        inside = distances.values[kinds[distances.indices] == "self"].min(initial=REACH)
-        expected = bool(outside >= 0.005 and inside >= 0.01)
-        assert model.clear(at, 0.005, 0.01) == expected
-        found.add(expected)
-    assert found == {True, False}
+@pytest.fixture(scope="module")
+def tight_toy_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+    """Walls within reach on both sides and a post beside the arm."""
+    post = {"shape": {"type": "box", "size": [0.02, 0.02, 0.1]}, "pose": {"position": [0.1, 0.04, 0.2]}}
+    room = {"min": [-0.15, -0.3, -0.2], "max": [0.25, 0.3, 0.4]}
+    return TaskModel(toy, make_toy_scene(enclosure=room, obstacles={"post": post}), "ball")
+
+
+@pytest.mark.parametrize("name", ["sphere_task", "tight_toy_task"])
+def test_clearance_of_many_configurations(name: str, request: pytest.FixtureRequest) -> None:
+    """What it keeps keeps both margins by the single measurement, pair by pair, and the least distance is the same.
+
+    Neither the object counts nor what the hand does by itself.
+    """
+    task: TaskModel = request.getfixturevalue(name)
+    model, robot = task.collisions, task.robot
+    margins = Margins(enclosure=0.004, robot=0.011)
+    postures = random_postures(robot, 300, seed=3)
+    postures[:, robot.arm_size :] = synergies = 0.5 * (robot.lower + robot.upper)[robot.arm_size :]
+    batch = BatchClearance(robot, task.scene, margins, synergies)
+    kept, clearances, _ = batch.measure(postures[:, : robot.arm_size])
+    group = [batch.kinematics.group_of[solid.joint] for solid in model._solids]
+    counts = [pair.kind == "enclosure" or group[pair.first] != group[pair.second] for pair in model.pairs]
+    counts = np.array(counts) & np.array([pair.kind != "object" for pair in model.pairs])
+    wanted = np.array([{"enclosure": 0.004, "self": 0.011, "object": 0.0}[pair.kind] for pair in model.pairs])
+    expected, least = [], []
+    for i, posture in enumerate(postures):
+        found = model.distances(configuration(robot, posture))
+        values, limits = found.values[counts[found.indices]], wanted[found.indices][counts[found.indices]]
+        if (values >= limits).all():
+            expected.append(i)
+            least.append(values.min(initial=CAP))
+    assert kept.tolist() == expected
+    assert 5 < len(expected) < 295
+    np.testing.assert_allclose(clearances, least, atol=1e-6)
+    assert min(least) < CAP
 
 
 def test_pairs_of_the_glovebox(sphere_task: TaskModel) -> None:

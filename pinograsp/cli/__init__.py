@@ -75,6 +75,7 @@ def plan_command(
             options=options,
             database=database,
             progress=bar,
+            build_progress=bar,
         )
     _report(result, console)
     written = out / f"{description.name}_{task}.json"

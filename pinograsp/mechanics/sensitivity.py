@@ -56,9 +56,9 @@ def force_cost_gradient(
 
 
 def residual_gradient(statics: Statics, derivatives: ContactDerivatives, models: ContactModels) -> Array:
-    """Return the slope of norm(statics.residual), shape (v,); zero where the residual vanishes."""
+    """Return the slope of norm(statics.residual), shape (v,); zero where the residual is only rounding."""
     norm = float(np.linalg.norm(statics.residual))
-    if norm == 0.0:
+    if norm <= 1e-12 * float(np.linalg.norm(statics.load.scaled)):
         return np.zeros(derivatives.points.shape[2])
     return _grasp_matrix_change(statics.residual, statics.f_p, statics, derivatives, models) / norm
 

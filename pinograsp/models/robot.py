@@ -130,7 +130,8 @@ class RobotModel:
             from_urdf = (self.model.lowerPositionLimit[index], self.model.upperPositionLimit[index])
             lower, upper = given.get(name, from_urdf)
             if not (math.isfinite(lower) and math.isfinite(upper) and lower < upper):
-                self._refuse(f"joint {name!r} has no usable limits", "arm.limits", "Give them in the robot file")
+                key = "arm.limits" if name in self.description.arm.joints else "hand.synergies"
+                self._refuse(f"joint {name!r} has no usable limits", key, "Give them in the robot file")
             limits.append((lower, upper))
         array: Array = np.array(limits)
         return array[:, 0], array[:, 1]
@@ -147,7 +148,8 @@ class RobotModel:
         frame = self.model.frames[self.model.getFrameId(pad.link)]
         placement = frame.placement * pin.SE3(pad.patch.rotation, np.array(pad.patch.origin))
         if not self.supports[frame.parentJoint, self.hand_joints].any():
-            self._refuse(f"link {pad.link!r} is not moved by the hand", f"pads.{pad.name}.link")
+            number = self.description.pads.index(pad)
+            self._refuse(f"link {pad.link!r} is not moved by the hand", f"pads[{number}].link")
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy())
 
 

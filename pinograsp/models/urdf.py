@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from ..descriptions import RobotDescription
 from ..descriptions.locate import resolve
 from ..errors import InputError, close_names
+from .urdf_checks import check_tree, number
 
 MOUNT = "pinograsp_mounting"
 
@@ -61,7 +63,7 @@ def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) ->
     """
     file = description.urdf_file
     root = _parse(file, "robot")
-    links = tuple(link.get("name", "") for link in root.findall("link"))
+    links = check_tree(root, file)
     movable: dict[str, str] = {}
     mimics: dict[str, Mimic] = {}
     for joint in root.findall("joint"):
@@ -69,34 +71,35 @@ def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) ->
         if kind in {"revolute", "continuous", "prismatic"}:
             movable[name] = kind
         elif kind != "fixed":
-            raise InputError(
-                f"joint type {kind!r} is not supported",
-                file=file,
-                key=name,
-                remedy="Use revolute, continuous, prismatic or fixed",
-            )
+            remedy = "Use revolute, continuous, prismatic or fixed"
+            raise InputError(f"joint type {kind!r} is not supported", file=file, key=name, remedy=remedy)
         mimic = joint.find("mimic")
         if mimic is not None:
-            mimics[name] = Mimic(
-                mimic.get("joint", ""), float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0"))
-            )
+            factors = [number(mimic.get(key, default), file, name) for key, default in _MIMIC_DEFAULTS]
+            mimics[name] = Mimic(mimic.get("joint", ""), *factors)
             joint.remove(mimic)
         if kind == "continuous":
             _bound(joint)
+    for name, followed in mimics.items():
+        if followed.leader not in movable:
+            remedy = close_names(followed.leader, list(movable))
+            raise InputError(f"mimics {followed.leader!r}, which is no joint", file=file, key=name, remedy=remedy)
     meshes = _find_meshes(root, description)
     _mount(root, T_world_root)
-    return RobotUrdf(
-        ET.tostring(root, encoding="unicode"), links, movable, mimics, meshes, _disabled_pairs(description)
-    )
+    xml = ET.tostring(root, encoding="unicode")
+    return RobotUrdf(xml, links, movable, mimics, meshes, _disabled_pairs(description))
 
 
-def _parse(file: object, tag: str) -> ET.Element:
+_MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
+
+
+def _parse(file: Path, tag: str) -> ET.Element:
     try:
-        root = ET.parse(str(file)).getroot()
+        root = ET.parse(file).getroot()
     except ET.ParseError as error:
-        raise InputError(f"is not valid XML: {error}", file=str(file)) from None
+        raise InputError(f"is not valid XML: {error}", file=file) from None
     if root.tag != tag:
-        raise InputError(f"holds <{root.tag}>, not <{tag}>", file=str(file), remedy="If it is xacro, run xacro first")
+        raise InputError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
     return root
 
 

@@ -51,7 +51,7 @@ def read_json(file: Path) -> Result:
         )
     try:
         return _read_result(data)
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: {type(error).__name__} {error}", file=file) from None
 
 

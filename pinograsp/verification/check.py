@@ -72,17 +72,28 @@ class Verifier:
             return Certificate(tuple(replace(figure, value=math.nan, where=where) for figure in figures))
         return Certificate(tuple(self._figures(claim)))
 
+    def check_posture(self, joints: dict[str, float]) -> Certificate:
+        """Recompute the clearances of a posture to enclosure, obstacles and itself; the object does not count.
+
+        Args:
+            joints: every movable joint of the URDF by name, rad (m).
+        """
+        poses = self._kinematics.poses(joints)
+        return Certificate(tuple(self._clearances(poses, Placed(self._meshes, poses))))
+
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
         joints = self._kinematics.joints
-        figures = self._clearances(poses) + self._statics(claim, poses)
+        placed = Placed(self._meshes, poses)
+        figures = self._clearances(poses, placed)
+        figures.append(shape_figure("object clearance", self._target_pairs, placed, -PENETRATION))
+        figures += self._statics(claim, poses)
         if self._limits:
             figures.append(limits_figure(self._limits, claim.joints))
         return [*figures, mimic_figure(joints, claim.joints)]
 
-    def _clearances(self, poses: Poses) -> list[Figure]:
+    def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
         margin = self._task.margin
-        placed = Placed(self._meshes, poses)
         figures = [enclosure_figure(self._moving, self._walls, poses, margin.enclosure)]
         if self._obstacle_pairs:
             limit = margin.enclosure - 1e-6
@@ -91,7 +102,6 @@ class Verifier:
             *figures,
             self_figure("self clearance", self._enabled, placed, margin.robot - 1e-6),
             self_figure("self collision", self._never, placed, 0.0),
-            shape_figure("object clearance", self._target_pairs, placed, -PENETRATION),
         ]
 
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:

@@ -1,7 +1,8 @@
 """The picture of a grasp: live in meshcat, or as one HTML file that needs neither server nor network.
 
 The arm's visual meshes, the transparent glovebox, the object, contact points, forces and friction cones.
-This is the only package that imports meshcat.
+`coverage` draws which parts of the enclosure a start database reaches.
+This is the only package that imports meshcat and matplotlib.
 """
 
 from __future__ import annotations
@@ -11,13 +12,14 @@ from pathlib import Path
 from ..descriptions import RobotDescription, SceneDescription
 from ..results.grasp import Grasp
 from . import camera
+from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
-from .page import page, write_atomically
+from .page import grasp_page, write_atomically
 from .robot import draw_robot
 from .scene import draw_scene
 from .viewer import Recorder, Visualizer, live
 
-__all__ = ["show", "write_html"]
+__all__ = ["coverage_html", "coverage_png", "show", "write_html"]
 
 ROOT = "pinograsp"
 """Node of the viewer's tree that holds the world."""
@@ -85,4 +87,4 @@ def write_html(
     """
     recorder = Recorder()
     show(grasp, robot, scene, task_name, Visualizer(window=recorder))
-    write_atomically(file, page(recorder.commands, grasp, robot, scene, task_name, caption))
+    write_atomically(file, grasp_page(recorder.commands, grasp, robot, scene, task_name, caption))

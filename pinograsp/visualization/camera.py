@@ -52,6 +52,11 @@ def close_up(grasp: Grasp, scene: SceneDescription, task: TaskDescription) -> Vi
     return _view(center, direction, CLOSE_UP_RADIUS)
 
 
+def around(low: Array, high: Array, direction: Array) -> View:
+    """Return a view of the whole box between two corners, seen from `direction`; world frame, shapes (3,)."""
+    return _view((low + high) / 2, direction, 0.9 * float(np.linalg.norm(high - low)) / 2)
+
+
 def place(world: Visualizer, view: View) -> None:
     """Put the camera of a viewer at a view.
 

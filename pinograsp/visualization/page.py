@@ -1,4 +1,4 @@
-"""The HTML page: meshcat's viewer, the drawing commands and a panel with the grasp's figures."""
+"""The HTML page: meshcat's viewer, the drawing commands and a panel; that of a grasp holds its figures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,27 @@ from .camera import View, close_up, whole_box, y_up
 from .viewer import viewer_javascript
 
 
-def page(
+def page(title: str, panel: str, commands: list[dict[str, Any]], views: dict[str, View]) -> str:
+    """Return a page with a panel beside meshcat's viewer; it loads nothing from elsewhere.
+
+    Args:
+        title: title of the page, plain text.
+        panel: HTML of the panel.
+        commands: meshcat commands, in the order in which they are to be drawn; `camera.place` at the first view.
+        views: where the camera may stand, by the name that `view_button` takes; the page opens with the first.
+    """
+    first = next(iter(views.values()))
+    template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
+    return template.substitute(
+        title=escape(title),
+        panel=panel,
+        javascript=viewer_javascript(),
+        views=json.dumps({name: _view(view, first) for name, view in views.items()}),
+        commands=packed(commands),
+    )
+
+
+def grasp_page(
     commands: list[dict[str, Any]],
     grasp: Grasp,
     robot: RobotDescription,
@@ -34,7 +54,7 @@ def page(
     task_name: str,
     caption: str,
 ) -> str:
-    """Return the page; it loads nothing from elsewhere.
+    """Return the page of a grasp.
 
     Args:
         commands: meshcat commands, in the order in which they are to be drawn.
@@ -42,26 +62,37 @@ def page(
         robot: the robot file.
         scene: the scene file.
         task_name: the task in the scene.
-        caption: text below the figures.
+        caption: text below the heading.
     """
     task = scene.task(task_name)
-    box = whole_box(scene, task)
-    views = {"whole-box": box, "close-up": close_up(grasp, scene, task)}
-    template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
-    return template.substitute(
-        title=escape(f"{robot.name} / {scene.name} / {task_name}"),
-        robot=escape(robot.name),
-        scene=escape(scene.name),
-        task=escape(task_name),
-        costs=_costs(grasp),
-        contacts="".join(_contact(contact) for contact in grasp.contacts),
-        certificate=_certificate(grasp.certificate),
-        legend="".join(_legend_entry(text, color) for text, color in colors.LEGEND.items()),
-        caption=f"<p>{escape(caption)}</p>" if caption else "",
-        javascript=viewer_javascript(),
-        views=json.dumps({name: _view(view, box) for name, view in views.items()}),
-        commands=packed(commands),
+    panel = (
+        "<h1>Grasp</h1>",
+        f"<p>{escape(robot.name)} in {escape(scene.name)}, task {escape(task_name)}</p>",
+        f"<p>{escape(caption)}</p>" if caption else "",
+        view_button("whole-box", "Whole box") + view_button("close-up", "Close-up"),
+        f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
+        "<table><caption>Contact forces on the object, world frame</caption>",
+        "".join(_contact(contact) for contact in grasp.contacts) + "</table>",
+        legend(colors.LEGEND),
+        f"<table>{_certificate(grasp.certificate)}</table>",
     )
+    views = {"whole-box": whole_box(scene, task), "close-up": close_up(grasp, scene, task)}
+    return page(f"{robot.name} / {scene.name} / {task_name}", "\n".join(panel), commands, views)
+
+
+def view_button(view: str, label: str) -> str:
+    """Return a button of the panel that puts the camera at one of the page's views."""
+    return f"<button onclick=\"look('{view}')\">{escape(label)}</button>"
+
+
+def row(*cells: str) -> str:
+    """Return a row of a table in the panel, from plain text."""
+    return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+
+
+def legend(entries: dict[str, int]) -> str:
+    """Return the legend of colours (0xrrggbb) by what they mean, plain text."""
+    return "<ul>" + "".join(_legend_entry(text, color) for text, color in entries.items()) + "</ul>"
 
 
 def packed(commands: list[dict[str, Any]]) -> str:
@@ -71,15 +102,15 @@ def packed(commands: list[dict[str, Any]]) -> str:
     return base64.b64encode(gzip.compress(stream, compresslevel=6, mtime=0)).decode("ascii")
 
 
-def write_atomically(file: Path, text: str) -> None:
-    """Write a file so that a reader finds the old one or the whole new one.
+def write_atomically(file: Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8, so that a reader finds the old one or the whole new one.
 
     Raises:
         InputError: the file cannot be written.
     """
     partial = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
         partial.replace(file)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
@@ -94,17 +125,13 @@ def _view(view: View, origin: View) -> dict[str, list[float]]:
     return {"position": y_up(view.position - origin.target), "target": y_up(view.target - origin.target)}
 
 
-def _row(*cells: str) -> str:
-    return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
-
-
 def _costs(grasp: Grasp) -> str:
     cost = grasp.cost
     return "".join(
         (
-            _row("U", f"{cost.U:.4g}", "cost index"),
-            _row("Φ", f"{cost.phi_mm2:.3g} mm²", "contacts from desired points"),
-            _row("V", f"{cost.V:.4g}", "forces in their cones"),
+            row("U", f"{cost.U:.4g}", "cost index"),
+            row("Φ", f"{cost.phi_mm2:.3g} mm²", "contacts from desired points"),
+            row("V", f"{cost.V:.4g}", "forces in their cones"),
         )
     )
 
@@ -113,7 +140,7 @@ def _contact(contact: Contact) -> str:
     force = contact.force
     components = ", ".join(f"{component:.2f}" for component in force)
     spin = f", spin {1000 * contact.spin_torque:.1f} N mm" if contact.spin_torque else ""
-    return _row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
+    return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
 
 
 SHOWN_IN = {"m": (1e3, "mm"), "N m": (1e3, "N mm"), "rad": (math.degrees(1.0), "°")}
