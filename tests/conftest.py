@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,14 @@ Array = NDArray[np.float64]
 
 settings.register_profile("pinograsp", deadline=None, derandomize=True, database=None, max_examples=40)
 settings.load_profile("pinograsp")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Start databases of this session, and of processes that it starts, are kept apart from the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PINOGRASP_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
 
 
 @pytest.fixture(scope="session")

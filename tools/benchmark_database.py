@@ -81,8 +81,8 @@ def queries(file: Path) -> None:
             spread, _ = timed(by_curve, centers, radius, spread=True)
             ratio = np.median(second) / np.median(first)
             print(
-                f"  ball of {1e3 * radius:.0f} mm, {int(np.median(found)):,} rows: sorted "
-                f"{summary(first)}, unsorted {summary(second)}, ratio {ratio:.1f}; spread selection of 1304 {summary(spread)}"
+                f"  ball of {1e3 * radius:.0f} mm, {int(np.median(found)):,} rows: sorted {summary(first)}, "
+                f"unsorted {summary(second)}, ratio {ratio:.1f}; spread selection of 1304 {summary(spread)}"
             )
     unsorted.unlink()
 

@@ -28,7 +28,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 def main() -> None:
     """Run the command line; errors that the user can mend are one line, without a traceback."""
     try:
-        app()
+        app(prog_name="pinograsp")
     except InputError as error:
         _say(Console(stderr=True), f"[bold red]error:[/] {escape(str(error))}")
         raise SystemExit(BAD_INPUT) from None

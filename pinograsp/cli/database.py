@@ -57,7 +57,15 @@ def build(
         console.print(f"interrupted; the same command goes on where {out} ends", highlight=False)
         raise typer.Exit(130) from None
     with database:
-        console.print(f"{database.rows():,} configurations in {out}", highlight=False)
+        facts = database.info()
+    console.print(f"{facts['rows']:,} configurations in {out}", highlight=False)
+    if not facts["rows"]:
+        console.print(
+            f"None of {facts['samples drawn']:,} random configurations is free of collision: check mounting, "
+            "enclosure and margins of the scene.",
+            highlight=False,
+        )
+        raise typer.Exit(1)
 
 
 @app.command("info")

@@ -30,7 +30,7 @@ from .sampling import DRAWS, Batch, BatchSampler, Spread
 from .store import Database, columns, create_tables
 
 HOPELESS = 8
-"""Batches without a single free configuration after which a build gives up."""
+"""Batches without a single free configuration after which a build ends with none."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def build_database(
         progress: called after every batch.
 
     Returns:
-        The database, open for reading.
+        The database, open for reading. It has no row if none of `HOPELESS` batches of samples is free of collision.
 
     Raises:
         InputError: the file is no database, or one for another robot, enclosure, margin, seed or spread.
@@ -168,11 +168,7 @@ def _missing_batches(path: Path, size: int) -> list[int]:
         return []
     mean = sum(accepted.values()) / len(accepted) if accepted else 0.0
     if len(accepted) >= HOPELESS and mean == 0.0:
-        raise InputError(
-            f"none of {len(accepted) * DRAWS} random configurations is free of collision",
-            file=path,
-            remedy="Check mounting, enclosure and margins of the scene",
-        )
+        return []
     likely = math.ceil(1.005 * size / mean) if mean else HOPELESS
     missing = [batch for batch in range(likely) if batch not in accepted]
     return missing or [max(accepted) + 1]
@@ -196,7 +192,9 @@ def _finish(path: Path, size: int, pace: _Pace) -> None:
             return
         accepted = dict(database.connection.execute("SELECT batch, accepted FROM batches").fetchall())
         needed = _needed(accepted, size)
-        pace.sorting(sum(accepted[batch] for batch in range(needed or 0)))
+        if needed is None:
+            return
+        pace.sorting(sum(accepted[batch] for batch in range(needed)))
         joints = len(database.joints())
         listed = ", ".join(columns(joints))
         sorting = path.with_name(path.name + ".sorting")

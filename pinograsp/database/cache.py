@@ -13,7 +13,7 @@ from .build import BuildProgress, build_database
 from .identity import Identity
 from .store import Database
 
-SIZE = 150_000
+SIZE = 100_000
 """Configurations in a cached database."""
 SEED = 0
 

@@ -23,8 +23,9 @@ _CANDIDATES = 40
 """Rows a selection looks at for every row that it returns, at most."""
 _CELLS = 6
 """Cells along each axis of a region, for the spread."""
-_HASH = "((sample * 2654435761 + $seed * 40503) % 4294967296)"
-"""A scattered number of each sample, from 0 to 2^32 - 1."""
+_ROUND = "xor({0}, {0} >> 15) * 1540483477 % 4294967296"
+_HASH = _ROUND.format("(" + _ROUND.format("(sample + $seed * 1000003)") + ")")
+"""A scattered number of each sample and seed, from 0 to 2^32 - 1 (products stay below 2^63)."""
 
 
 @dataclass(frozen=True)

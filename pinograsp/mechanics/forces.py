@@ -62,7 +62,7 @@ def _newton(reduced: ReducedBarrier, y: Array) -> Array:
         step = -np.linalg.solve(hessian, gradient)
         decrement = -float(gradient @ step)
         if decrement <= 1e-15 * (1.0 + V):
-            break
+            return np.asarray(y + step)
         length = 1.0
         while True:
             trial = reduced(y + length * step)

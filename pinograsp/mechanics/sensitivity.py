@@ -58,7 +58,7 @@ def force_cost_gradient(
 def residual_gradient(statics: Statics, derivatives: ContactDerivatives, models: ContactModels) -> Array:
     """Return the slope of norm(statics.residual), shape (v,); zero where the residual is only rounding."""
     norm = float(np.linalg.norm(statics.residual))
-    if norm <= 1e-12 * float(np.linalg.norm(statics.load.scaled)):
+    if norm <= 1e-10 * float(np.linalg.norm(statics.load.scaled)):
         return np.zeros(derivatives.points.shape[2])
     return _grasp_matrix_change(statics.residual, statics.f_p, statics, derivatives, models) / norm
 

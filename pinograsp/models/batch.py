@@ -94,6 +94,8 @@ class BatchKinematics:
     def wrist(self, frames: GroupFrames) -> tuple[Array, Array]:
         """Return wrist positions, m, and approach directions (the wrist's z axis), world, both (N, 3)."""
         positions = frames.place(self._wrist_group, self._wrist[:3, 3])
+        if self._wrist_group == WORLD:
+            return positions, np.broadcast_to(self._wrist[:3, 2], positions.shape)
         return positions, np.asarray(frames.rotations[self._wrist_group] @ self._wrist[:3, 2])
 
 

@@ -26,7 +26,7 @@ from .bodies import Solid, body_solid, distance_request, robot_solids, self_pair
 from .robot import RobotModel
 
 CAP = 0.05
-"""Distances from here on are not told apart, m."""
+"""Distances from here on are not told apart (unless a margin is larger), m."""
 _BLOCK = 256
 
 
@@ -36,6 +36,7 @@ class BatchClearance:
     def __init__(self, robot: RobotModel, scene: SceneDescription, margins: Margins, synergies: Array) -> None:
         self.kinematics = BatchKinematics(robot, synergies)
         self._margins = margins
+        self._cap = max(CAP, margins.enclosure, margins.robot)
         self._normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
         self._offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
         links = robot_solids(robot)
@@ -71,7 +72,7 @@ class BatchClearance:
             for group in reversed(stage):  # the outer links hit a wall more often
                 inside = self._to_walls(frames, group, stage[group]) >= self._margins.enclosure
                 kept, frames = kept[inside], _take(frames, inside)
-        clearance = np.full(len(kept), CAP)
+        clearance = np.full(len(kept), self._cap)
         for group in reversed(self._vertices):
             np.minimum(clearance, self._to_walls(frames, group, self._vertices[group]), out=clearance)
         inside = clearance >= self._margins.enclosure

@@ -6,8 +6,8 @@ For a pair with witness points p1, p2 and unit normal n from the first body to t
 
 with world Jacobian columns J and the joints that move each body.
 
-Pairs whose bounding spheres are `REACH` or more apart are not measured: their distance is known to be at
-least `REACH`, and users of the distances must treat all such values alike (`problem.terms.clearance` does, so
+Pairs whose bounding spheres are `REACH` or more beyond their margin are not measured: their distance is known to
+be at least that, and users of the distances must treat all such values alike (`problem.terms.clearance` does, so
 that culling never makes a constraint jump).
 """
 
@@ -27,7 +27,7 @@ from .robot import RobotModel
 
 Kind = Literal["enclosure", "object", "self"]
 REACH = 0.05
-"""Pairs farther apart than this are not measured, m."""
+"""Pairs farther apart than this, beyond their margin, are not measured, m."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,8 @@ class Pair:
     """What it must keep clear of: a wall, an obstacle, the object or a link."""
     first: int
     second: int
+    margin: float
+    """Least distance wanted, m."""
 
     @property
     def name(self) -> str:
@@ -70,7 +72,13 @@ class CollisionModel:
         target = body_solid(task.object, scene.objects[task.object])
         self._robot = robot
         self._solids = [*links, *walls, *obstacles, target]
+        self._margins: dict[Kind, float] = {
+            "enclosure": task.margin.enclosure,
+            "object": 0.0,
+            "self": task.margin.robot,
+        }
         self.pairs = tuple(self._pairs(len(links), len(walls), len(obstacles)))
+        self._reach = REACH + np.array([pair.margin for pair in self.pairs])
         first = np.array([pair.first for pair in self.pairs])
         second = np.array([pair.second for pair in self.pairs])
         joints = np.array([solid.joint for solid in self._solids])
@@ -90,11 +98,11 @@ class CollisionModel:
         self._request = distance_request()
 
     def distances(self, configuration: Configuration) -> Distances:
-        """Measure every pair that may be closer than `REACH`."""
+        """Measure every pair that may be closer than `REACH` beyond its margin."""
         rotations = configuration.rotations[self._joints]
         translations = configuration.translations[self._joints]
         centers = np.matmul(rotations, self._centers[:, :, None])[:, :, 0] + translations
-        indices = np.flatnonzero(self._lower_bounds(centers) < REACH)
+        indices = np.flatnonzero(self._lower_bounds(centers) < self._reach)
         values, points, normals = self._measure(indices, rotations, translations)
         arms = np.cross(points, normals)
         along = np.concatenate([normals, arms], axis=1) @ configuration.jacobian
@@ -142,7 +150,7 @@ class CollisionModel:
         target = links + walls + obstacles
 
         def pair(kind: Kind, a: int, b: int, link: int, other: int) -> Pair:
-            return Pair(kind, solids[link].name, solids[other].name, a, b)
+            return Pair(kind, solids[link].name, solids[other].name, a, b, self._margins[kind])
 
         pairs = [pair("enclosure", i, w, i, w) for i in moving for w in range(links, links + walls)]
         pairs += [pair("enclosure", i, o, i, o) for i in moving for o in around]

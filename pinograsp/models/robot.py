@@ -96,14 +96,20 @@ class RobotModel:
     def _check_names(self) -> None:
         description, known = self.description, list(self.urdf.movable)
         for i, joint in enumerate(description.arm.joints):
-            urdf.require(joint, known, "joint", f"arm.joints[{i}]", description)
+            self._require_leader(joint, known, f"arm.joints[{i}]")
         for i, synergy in enumerate(description.hand.synergies):
-            urdf.require(synergy.joint, known, "joint", f"hand.synergies[{i}].joint", description)
+            self._require_leader(synergy.joint, known, f"hand.synergies[{i}].joint")
             if synergy.joint in description.arm.joints:
                 self._refuse(f"{synergy.joint!r} is already an arm joint", f"hand.synergies[{i}].joint")
         urdf.require(description.arm.wrist, list(self.urdf.links), "link", "arm.wrist", description)
         for i, pad in enumerate(description.pads):
             urdf.require(pad.link, list(self.urdf.links), "link", f"pads[{i}].link", description)
+
+    def _require_leader(self, joint: str, known: list[str], key: str) -> None:
+        urdf.require(joint, known, "joint", key, self.description)
+        if joint in self.urdf.mimics:
+            leader = self.urdf.mimics[joint].leader
+            self._refuse(f"joint {joint!r} mimics {leader!r}", key, f"Name {leader!r} instead")
 
     def _refuse(self, problem: str, key: str, remedy: str | None = None) -> None:
         raise InputError(problem, file=self.description.source, key=key, remedy=remedy)

@@ -80,14 +80,25 @@ def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) ->
             joint.remove(mimic)
         if kind == "continuous":
             _bound(joint)
-    for name, followed in mimics.items():
-        if followed.leader not in movable:
-            remedy = close_names(followed.leader, list(movable))
-            raise InputError(f"mimics {followed.leader!r}, which is no joint", file=file, key=name, remedy=remedy)
+    mimics = {name: _resolved(name, mimics, movable, file) for name in mimics}
     meshes = _find_meshes(root, description)
     _mount(root, T_world_root)
     xml = ET.tostring(root, encoding="unicode")
     return RobotUrdf(xml, links, movable, mimics, meshes, _disabled_pairs(description))
+
+
+def _resolved(name: str, mimics: dict[str, Mimic], movable: dict[str, str], file: Path) -> Mimic:
+    """Return how a joint follows the joint at the end of its chain of mimics."""
+    leader, multiplier, offset = name, 1.0, 0.0
+    for _ in range(len(mimics) + 1):
+        if leader not in movable:
+            remedy = close_names(leader, list(movable))
+            raise InputError(f"mimics {leader!r}, which is no joint", file=file, key=name, remedy=remedy)
+        if leader not in mimics:
+            return Mimic(leader, multiplier, offset)
+        step = mimics[leader]
+        leader, multiplier, offset = step.leader, multiplier * step.multiplier, multiplier * step.offset + offset
+    raise InputError("mimics itself", file=file, key=name)
 
 
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))

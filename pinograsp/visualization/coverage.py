@@ -7,6 +7,7 @@ one voxel beyond the wall.
 from __future__ import annotations
 
 import io
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +18,14 @@ from ..database import Coverage
 from ..database.coverage import SECTORS
 from ..descriptions.scene import Enclosure
 from . import camera, colors
-from .page import page, write_atomically
+from .page import legend, page, row, view_button, write_atomically
 from .scene import draw_enclosure
 from .symbols import Look, arrow, draw
 from .viewer import LayeredMesh, Recorder, Visualizer, geometry
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
 
 Array = NDArray[np.float64]
 
@@ -64,7 +66,8 @@ def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
     figure = Figure(figsize=(16, 9), dpi=100, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     figure.suptitle(f"{title}\nThe wrist reaches {_share(coverage)}", fontsize=16, parse_math=False, linespacing=1.4)
-    top, bottom = figure.subfigures(2, 1, height_ratios=(1, 1.15))
+    rows = figure.add_gridspec(2, 1, height_ratios=(1, 1.3))
+    top, bottom = figure.add_subfigure(rows[0]), figure.add_subfigure(rows[1])
     slices = top.subplots(1, len(layers), sharey=True, squeeze=False)[0]
     for axes, layer in zip(slices, layers, strict=True):
         _map(axes, coverage.directions[:, :, layer], low[[0, 1]], high[[0, 1]], scale)
@@ -75,10 +78,12 @@ def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
     above, side, shares = bottom.subplots(1, 3)
     _map(above, coverage.directions.max(axis=2), low[[0, 1]], high[[0, 1]], scale)
     above.set_title("from above: the most at any z", fontsize=14)
-    above.set(xlabel="x, m", ylabel="y, m")
+    above.set_xlabel("x, m", fontsize=12)
+    above.set_ylabel("y, m", fontsize=12)
     _map(side, coverage.directions.max(axis=1), low[[0, 2]], high[[0, 2]], scale)
     side.set_title("from the side: the most at any y", fontsize=14)
-    side.set(xlabel="x, m", ylabel="z, m")
+    side.set_xlabel("x, m", fontsize=12)
+    side.set_ylabel("z, m", fontsize=12)
     _draw_shares(shares, coverage, layers)
     bar = bottom.colorbar(scale, ax=[above, side], ticks=TICKS, fraction=0.04, pad=0.02)
     bar.set_label(f"approach directions of {SECTORS} (grey: not reached)", fontsize=12)
@@ -123,7 +128,7 @@ def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camer
     visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
     visualizer["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
     views = {
-        "whole-box": camera.around(low, high, np.array([-0.35, -1.0, 0.55])),
+        "whole-box": camera.around(low, high, np.array([0.4, -1.0, 0.6])),
         "above": camera.around(low, high, np.array([0.0, -1e-3, 1.0])),
         "side": camera.around(low, high, np.array([0.0, -1.0, 0.0])),
     }
@@ -181,7 +186,8 @@ def _map(axes: Axes, directions: NDArray[np.int64], low: Array, high: Array, sca
     axes.imshow(
         np.ma.masked_equal(directions.T, 0),
         cmap=scale.cmap,
-        norm=scale.norm,
+        vmin=0.5,
+        vmax=SECTORS + 0.5,
         origin="lower",
         extent=(low[0], high[0], low[1], high[1]),
         interpolation="nearest",

@@ -1,12 +1,12 @@
 """Clearance of every link: a smooth lower bound of its distances less their margins.
 
-A distance d enters as phi(d), which is d up to `NEAR`, bends, and is constant from `REACH` on, twice
-continuously differentiable. Pairs that culling leaves out have d >= REACH, so that they enter with the value that
-measuring them would have given: culling changes nothing.
+What a distance has above its margin, a = d - margin, enters as phi(a), which is a up to `NEAR`, bends, and is
+constant from `REACH` on, twice continuously differentiable. Pairs that culling leaves out have a >= REACH, so that
+they enter with the value that measuring them would have given: culling changes nothing.
 
 The pairs of a link are joined by the smooth minimum
 
-    -rho log sum_j exp(-(phi(d_j) - margin_j) / rho)  <=  min_j (phi(d_j) - margin_j)
+    -rho log sum_j exp(-phi(a_j) / rho)  <=  min_j phi(a_j)
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ..state import State, TaskModel
 from .residual import Residual
 
 NEAR = 0.025
-"""Distances below this enter unchanged, m."""
+"""What a distance has above its margin enters unchanged below this, m."""
 SMOOTHING = 0.0003
 """rho of the smooth minimum, m: it lies at most rho log(pairs) below the minimum."""
 _SPAN = REACH - NEAR
 FAR = NEAR + 0.5 * _SPAN
-"""phi of everything farther than REACH, m."""
+"""phi of everything from REACH on, m."""
 
 
 class Clearance:
@@ -32,27 +32,23 @@ class Clearance:
 
     def __init__(self, model: TaskModel) -> None:
         pairs = model.collisions.pairs
-        margins = model.task.margin
-        by_kind = {"enclosure": margins.enclosure, "self": margins.robot, "object": 0.0}
         self.links = tuple(dict.fromkeys(pair.link for pair in pairs))
         self._pairs = pairs
-        self._margins = np.array([by_kind[pair.kind] for pair in pairs])
+        self._margins = np.array([pair.margin for pair in pairs])
         self._link_of = np.array([self.links.index(pair.link) for pair in pairs])
-        self._far_weights = np.exp(-(FAR - self._margins) / SMOOTHING)
-        self._far_sums = np.bincount(self._link_of, self._far_weights, len(self.links))
+        self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def __call__(self, state: State) -> Residual:
         """Return the clearance of every link, m, shape (links,)."""
         measured = state.distances
-        values, slopes = _bent(measured.values)
         links = self._link_of[measured.indices]
-        above = values - self._margins[measured.indices]
+        above, slopes = _bent(measured.values - self._margins[measured.indices])
         # Shift by each link's least value so that exp neither overflows nor vanishes.
         least = np.full(len(self.links), FAR)
         np.minimum.at(least, links, above)
         weights = np.exp((least[links] - above) / SMOOTHING)
-        far = self._far_sums - np.bincount(links, self._far_weights[measured.indices], len(self.links))
-        sums = np.bincount(links, weights, len(self.links)) + np.maximum(far, 0.0) * np.exp(least / SMOOTHING)
+        far = self._counts - np.bincount(links, minlength=len(self.links))
+        sums = np.bincount(links, weights, len(self.links)) + far * np.exp((least - FAR) / SMOOTHING)
         clearances = least - SMOOTHING * np.log(sums)
         jacobian = np.zeros((len(self.links), len(state.x)))
         shares = (weights / sums[links] * slopes)[:, None] * measured.gradients
@@ -71,9 +67,9 @@ class Clearance:
         return worst
 
 
-def _bent(distances: Array) -> tuple[Array, Array]:
+def _bent(above: Array) -> tuple[Array, Array]:
     """Return phi and its slope."""
-    t = np.clip((distances - NEAR) / _SPAN, 0.0, 1.0)
+    t = np.clip((above - NEAR) / _SPAN, 0.0, 1.0)
     cube = t * t * t
-    values = np.where(distances <= NEAR, distances, NEAR + _SPAN * (t - cube + 0.5 * t * cube))
+    values = np.where(above <= NEAR, above, NEAR + _SPAN * (t - cube + 0.5 * t * cube))
     return values, 1.0 - 3.0 * t * t + 2.0 * cube
