@@ -500,3 +500,9 @@ def test_schema_refuses_it_too(case: tuple[str, str, str, str, str, list[str]]) 
     kind, old, new, *_ = case
     content = yaml.safe_load(changed(ROBOT if kind == "robot" else SCENE, old, new))
     assert not jsonschema.Draft202012Validator(schema(kind)).is_valid(content)  # type: ignore[arg-type]
+
+
+def test_a_copy_with_changes_forgets_what_was_computed(glovebox: Any) -> None:
+    pose = glovebox.objects["sphere"].pose
+    assert pose.matrix[0, 3] == 0.801
+    assert pose.model_copy(update={"position": (0.5, 0.0, 0.0)}).matrix[0, 3] == 0.5

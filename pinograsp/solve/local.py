@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..problem import Evaluation, GraspProblem, TaskModel
-from .projection import Projection, nearest_assignment, project
+from .projection import Projection, beginnings, nearest_assignment
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 ALGORITHMS: tuple[Algorithm, ...] = ("LD_SLSQP", "LN_COBYLA")
@@ -30,7 +30,7 @@ class SolverOptions:
 
     algorithm: Algorithm = "LD_SLSQP"
     max_evaluations: int | None = None
-    """Budget of evaluations a start; None: 150 for LD_SLSQP, 3000 for LN_COBYLA."""
+    """Budget of evaluations of a solve; None: 150 for LD_SLSQP, 3000 for LN_COBYLA. A failed start has a second solve."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
     cost_tolerance: float = 1e-9
@@ -85,6 +85,11 @@ class _Recorder:
     best: Evaluation | None = None
     _key: tuple[float, float] = field(default=(math.inf, math.inf))
 
+    @property
+    def feasible(self) -> bool:
+        """Whether the best point keeps the constraints to the tolerance."""
+        return self.best is not None and self.best.violation <= self.tolerance
+
     def at(self, x: Array) -> Evaluation:
         if self.last is None or not np.array_equal(x, self.last.x):
             self.last = self.problem.evaluate(x.copy())
@@ -123,15 +128,17 @@ class LocalSolver:
         x = np.concatenate([start, centers])
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
-        x = project(problem, x, self._options.projection)
         recorder = _Recorder(problem, self._options.tolerance)
-        code, message = _run(recorder, x, self._options)
+        for beginning in beginnings(problem, x, self._options.projection):
+            code, message = _run(recorder, beginning, self._options)
+            if recorder.feasible:
+                break
         best, count = recorder.best, recorder.evaluations
         if best is None:
             return Solution(index, "failed", assignment, x, {}, count, time.perf_counter() - began, message)
-        outcome = _outcome(code, best.violation <= self._options.tolerance)
         violations = problem.violations(problem.state(best.x))
         seconds = time.perf_counter() - began
+        outcome = _outcome(code, recorder.feasible)
         return Solution(index, outcome, assignment, best.x, violations, count, seconds, message)
 
 

@@ -9,7 +9,7 @@ space out of walls and object. From there the full problem is short.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,17 @@ def project(problem: GraspProblem, x: Array, onto: Projection) -> Array:
     if onto == "contacts and clearance":
         x = _descend(problem, problem.contact_and_clearance_residual, x)
     return x
+
+
+def beginnings(problem: GraspProblem, x: Array, onto: Projection) -> Iterator[Array]:
+    """Yield the points to solve from; each further one is for where a solve from the one before failed.
+
+    The second way takes the clearances in from the start: it leads elsewhere where the contacts alone have drawn the
+    arm deep into a wall.
+    """
+    yield project(problem, x, onto)
+    if onto == "contacts and clearance":
+        yield _descend(problem, problem.contact_and_clearance_residual, x)
 
 
 def _descend(problem: GraspProblem, residual_at: Callable[[Array], Residual], x: Array) -> Array:

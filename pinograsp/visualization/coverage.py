@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 SLICES = 5
 """Most heights at which the PNG cuts the box."""
 NOT_REACHED = "#dcdfe3"
+"""No configuration of the database is there, which does not prove that there is none."""
 CUBE = 0.5
 """Edge of a drawn cube in voxels: the gaps let the cubes behind be seen."""
 AXIS_LENGTH, AXIS_RADIUS = 0.12, 0.0035
@@ -86,7 +87,7 @@ def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
     side.set_ylabel("z, m", fontsize=12)
     _draw_shares(shares, coverage, layers)
     bar = bottom.colorbar(scale, ax=[above, side], ticks=TICKS, fraction=0.04, pad=0.02)
-    bar.set_label(f"approach directions of {SECTORS} (grey: not reached)", fontsize=12)
+    bar.set_label(f"approach directions of {SECTORS} (grey: none found)", fontsize=12)
 
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
@@ -239,7 +240,7 @@ def _panel(coverage: Coverage, title: str) -> str:
             f"<table><caption>What the wrist reaches</caption>{figures}</table>",
             "<table><caption>Approach directions of a voxel</caption></table>",
             f'<div class="scale">{paint}</div><div class="ticks">{ticks}</div>',
-            "<p>A voxel that is not reached is not drawn.</p>",
+            "<p>A voxel in which no configuration was found is not drawn; a larger database may find some.</p>",
             _SLIDER.format(layers=len(tops), top=f"{tops[-1]:.3f}", tops=tops),
             f"<table><caption>Voxels, world frame</caption>{sides}</table>",
             legend({f"{axis} axis": color for axis, color in AXIS_COLORS.items()}),
@@ -248,7 +249,7 @@ def _panel(coverage: Coverage, title: str) -> str:
 
 
 _SLIDER = """<table><caption>Shown: z up to <span id="top">{top}</span> m</caption></table>
-<p><input type="range" min="1" max="{layers}" value="{layers}" aria-label="height" oninput="cut(this.value)"></p>
+<p><input type="range" min="1" max="{layers}" value="{layers}" aria-label="height" autocomplete="off" oninput="cut(this.value)"></p>
 <script>
 const tops = {tops};
 function cut(layers) {{
