@@ -30,7 +30,7 @@ class SolverOptions:
 
     algorithm: Algorithm = "LD_SLSQP"
     max_evaluations: int | None = None
-    """Budget of evaluations of a solve; None: 150 for LD_SLSQP, 3000 for LN_COBYLA. A failed start has a second solve."""
+    """Budget of evaluations a solve; None: 150 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
     cost_tolerance: float = 1e-9

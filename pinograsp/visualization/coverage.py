@@ -249,7 +249,8 @@ def _panel(coverage: Coverage, title: str) -> str:
 
 
 _SLIDER = """<table><caption>Shown: z up to <span id="top">{top}</span> m</caption></table>
-<p><input type="range" min="1" max="{layers}" value="{layers}" aria-label="height" autocomplete="off" oninput="cut(this.value)"></p>
+<p><input type="range" min="1" max="{layers}" value="{layers}" aria-label="height" autocomplete="off"
+  oninput="cut(this.value)"></p>
 <script>
 const tops = {tops};
 function cut(layers) {{
