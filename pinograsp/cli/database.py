@@ -134,7 +134,8 @@ def coverage(
     often = found.directions[found.counts > 0]
     typer.echo(
         f"{title}: the wrist reaches {100 * found.reached:.0f} % of the {found.counts.size} voxels of "
-        f"{1e3 * voxel:.0f} mm, a reached one from {often.mean():.1f} of 24 directions on average (a larger database may find more)"
+        f"{1e3 * voxel:.0f} mm, a reached one from {often.mean():.1f} of 24 directions on average "
+        "(a larger database may find more)"
     )
     if png is not None:
         from ..visualization import coverage_png
