@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins, Pose
-from pinograsp.descriptions.shapes import Box, Sphere
+from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
 from pinograsp.models import (
     BatchClearance,
     CollisionModel,
@@ -606,16 +606,23 @@ def test_clearance_does_not_jump_where_pairs_come_into_reach(sphere_task: TaskMo
 
 SHAPES = st.one_of(
     st.builds(lambda r: Sphere(type="sphere", radius=r), st.floats(0.01, 0.2)),
+    st.builds(lambda r, h: Cylinder(type="cylinder", radius=r, height=h), st.floats(0.01, 0.2), st.floats(0.02, 0.3)),
     st.builds(lambda *s: Box(type="box", size=s), *[st.floats(0.02, 0.3)] * 3),
 )
 POINTS = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
 
 
-def smooth_there(shape: Sphere | Box, point: Array) -> bool:
+def smooth_there(shape: Shape, point: Array) -> bool:
     """Whether the distance is smooth within 1e-4 of the point."""
     if isinstance(shape, Sphere):
         return bool(np.linalg.norm(point) > 1e-3)
-    over = np.sort(np.abs(point) - 0.5 * np.array(shape.size))
+    if isinstance(shape, Cylinder):
+        rho = float(np.hypot(point[0], point[1]))
+        over = np.sort([rho - shape.radius, abs(point[2]) - 0.5 * shape.height])
+        if rho < 1e-3:
+            return False
+    else:
+        over = np.sort(np.abs(point) - 0.5 * np.array(shape.size))
     if over[-1] < 0:
         return bool(over[-1] - over[-2] > 1e-4 and np.abs(point).min() > 1e-4)
     return bool(np.abs(over).min() > 1e-4)
@@ -623,7 +630,7 @@ def smooth_there(shape: Sphere | Box, point: Array) -> bool:
 
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
-def test_derivatives_of_signed_distance(shape: Sphere | Box, point: Array) -> None:
+def test_derivatives_of_signed_distance(shape: Shape, point: Array) -> None:
     assume(smooth_there(shape, point))
     surface = surface_of(shape)
     _, gradients, hessians = surface.signed_distance(point[None])
@@ -636,7 +643,7 @@ def test_derivatives_of_signed_distance(shape: Sphere | Box, point: Array) -> No
 
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
-def test_signed_distance_is_that_of_coal(shape: Sphere | Box, point: Array) -> None:
+def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
     surface = surface_of(shape)
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
@@ -648,7 +655,7 @@ def test_signed_distance_is_that_of_coal(shape: Sphere | Box, point: Array) -> N
 
 
 @given(shape=SHAPES, seed=st.integers(0, 2**32 - 1))
-def test_extents_and_widths(shape: Sphere | Box, seed: int) -> None:
+def test_extents_and_widths(shape: Shape, seed: int) -> None:
     surface = surface_of(shape)
     directions = np.random.default_rng(seed).normal(size=(50, 3))
     directions = np.concatenate([directions / np.linalg.norm(directions, axis=1)[:, None], np.eye(3)])
@@ -658,14 +665,21 @@ def test_extents_and_widths(shape: Sphere | Box, seed: int) -> None:
     assert widths[-3:].min() == pytest.approx(surface.least_width)
     assert extents.max() <= surface.radius + 1e-12
     # the point of the surface farthest along a direction is on the surface
-    half = np.array(shape.size) / 2 if isinstance(shape, Box) else None
-    farthest = np.sign(directions) * half if half is not None else surface.radius * directions
+    if isinstance(shape, Box):
+        farthest = np.sign(directions) * np.array(shape.size) / 2
+    elif isinstance(shape, Cylinder):
+        across = np.linalg.norm(directions[:, :2], axis=1, keepdims=True)
+        rim = shape.radius * directions[:, :2] / np.where(across > 0, across, 1.0)
+        farthest = np.column_stack([rim, np.sign(directions[:, 2]) * shape.height / 2])
+    else:
+        farthest = surface.radius * directions
     np.testing.assert_allclose((farthest * directions).sum(axis=1), extents, atol=1e-12)
     np.testing.assert_allclose(surface.signed_distance(farthest)[0], 0.0, atol=1e-12)
 
 
 def test_distance_at_the_very_centre_is_finite() -> None:
-    for shape in (Sphere(type="sphere", radius=0.05), Box(type="box", size=(0.1, 0.1, 0.1))):
+    cylinder = Cylinder(type="cylinder", radius=0.05, height=0.2)
+    for shape in (Sphere(type="sphere", radius=0.05), Box(type="box", size=(0.1, 0.1, 0.1)), cylinder):
         distance, gradient, hessian = surface_of(shape).signed_distance(np.zeros((1, 3)))
         assert distance[0] == pytest.approx(-0.05)
         assert np.linalg.norm(gradient[0]) == pytest.approx(1.0)

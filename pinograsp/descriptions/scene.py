@@ -17,6 +17,7 @@ from pydantic import AfterValidator, Field, model_validator
 from ..errors import InputError, close_names
 from . import locate
 from .files import FileRoot, Format1, Frozen, Number, Vector3, read_file, wrong
+from .regions import AllOf, Outside, Region
 from .shapes import Shape
 
 Name = Annotated[str, Field(min_length=1)]
@@ -152,10 +153,22 @@ class TaskDescription(Frozen):
     force_weight: NotNegative = 1.0
     """k of (10), mm^2: weight of V against the squared contact distances."""
     margin: Margins = Margins()
+    allowed_contacts: Region | None = None
+    """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
+    forbidden_contacts: Region | None = None
+    """Part of the object's surface where contact is forbidden, object's frame."""
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
     start_radius: Positive = 0.3
     """Starts have their wrist within this distance of the object's centre of mass, m."""
+
+    @cached_property
+    def contact_region(self) -> Region | None:
+        """Where contact may be: allowed and not forbidden; None for everywhere."""
+        parts: list[Region] = [] if self.allowed_contacts is None else [self.allowed_contacts]
+        if self.forbidden_contacts is not None:
+            parts.append(Outside(type="outside", part=self.forbidden_contacts))
+        return AllOf(type="all_of", parts=tuple(parts)) if len(parts) > 1 else parts[0] if parts else None
 
 
 class SceneDescription(FileRoot):

@@ -29,4 +29,12 @@ class Box(Frozen):
     """Edge lengths along x, y, z."""
 
 
-Shape = Annotated[Sphere | Box, Field(discriminator="type")]
+class Cylinder(Frozen):
+    """A cylinder around the z axis of its frame, centred at the origin."""
+
+    type: Literal["cylinder"]
+    radius: Length
+    height: Length
+
+
+Shape = Annotated[Sphere | Box | Cylinder, Field(discriminator="type")]

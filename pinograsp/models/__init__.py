@@ -10,6 +10,7 @@ from .batch_clearance import BatchClearance
 from .collision import CollisionModel, Distances
 from .hand_posture import hand_opening, preshape, widest_jaw
 from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward, jacobian_derivatives
+from .regions import membership
 from .robot import RobotModel
 from .shapes import Surface, surface_of
 
@@ -27,6 +28,7 @@ __all__ = [
     "forward",
     "hand_opening",
     "jacobian_derivatives",
+    "membership",
     "preshape",
     "surface_of",
     "widest_jaw",

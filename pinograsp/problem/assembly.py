@@ -2,7 +2,7 @@
 
     cost          COST_SCALE (Phi [mm^2] + k psi(V*))
     equalities    contact gap, tangency                              = 0
-    inequalities  V*, unbalanced wrench, clearance of every link    <= 0
+    inequalities  V*, unbalanced wrench, region, clearance of links <= 0
 
 Scaling: one millimetre is 0.1 in every constraint, and the cost is U / 1000; this decides how many starts
 succeed. psi(V) = V up to the value that proves every friction and force limit (strict_cost), and grows like log V
@@ -23,6 +23,7 @@ from .terms import (
     Clearance,
     Residual,
     contact_gap,
+    contact_region,
     desired_contacts,
     facing,
     force_cost,
@@ -71,7 +72,8 @@ class GraspProblem:
         self.lower = np.concatenate([model.robot.lower, [low for low, _ in limits]])
         self.upper = np.concatenate([model.robot.upper, [high for _, high in limits]])
         self.equality_count = 3 * len(pads)
-        self.inequality_count = 2 + len(self.clearance.links)
+        regions = 0 if model.region is None else len(pads)
+        self.inequality_count = 2 + regions + len(self.clearance.links)
 
     def state(self, x: Array) -> State:
         """Return the state at x."""
@@ -84,16 +86,15 @@ class GraspProblem:
     def contact_and_clearance_residual(self, x: Array) -> Residual:
         """Return `contact_residual` and the violated part of every clearance (zero where it is kept)."""
         state = self.state(x)
-        clearance = self.clearance(state)
-        violated = clearance.values < 0.0
-        pushing = Residual(np.where(violated, clearance.values, 0.0), clearance.jacobian * violated[:, None])
-        return _stack(self._contact_residual(state), _scaled(pushing, PUSH * PER_METRE))
+        pushing = _scaled(_violated(self.clearance(state)), PUSH * PER_METRE)
+        return _stack(self._contact_residual(state), pushing)
 
     def _contact_residual(self, state: State) -> Residual:
         return _stack(
             _scaled(contact_gap(state), PER_METRE),
             _scaled(facing(state), FACING),
             _scaled(desired_contacts(state), PER_METRE),
+            _scaled(_violated(contact_region(state)), PER_METRE),
         )
 
     def evaluate(self, x: Array) -> Evaluation:
@@ -110,7 +111,12 @@ class GraspProblem:
             _scaled(tangency(state), PER_METRE * self.model.load.rho),
         )
         log_V = Residual(np.log(V.values / strict), V.jacobian / V.values[0])
-        inequalities = _stack(log_V, self._balance(state), _scaled(self.clearance(state), -PER_METRE))
+        inequalities = _stack(
+            log_V,
+            self._balance(state),
+            _scaled(contact_region(state), -PER_METRE),
+            _scaled(self.clearance(state), -PER_METRE),
+        )
         return Evaluation(x, cost, gradient, equalities, inequalities)
 
     def _balance(self, state: State) -> Residual:
@@ -136,6 +142,9 @@ class GraspProblem:
             "forces": (max(0.0, math.log(state.forces.V / self.model.limits.strict_cost)), ""),
             "balance": (max(0.0, unbalanced - UNBALANCED) * 1e3 * self.model.load.rho, ""),
         }
+        if self.model.region is not None:
+            inside = contact_region(state).values
+            found["contact region"] = (max(0.0, -1e3 * float(inside.min())), pads[int(inside.argmin())])
         for kind, (above, pair) in self.clearance.worst(state).items():
             found[kind] = (max(0.0, -1e3 * above), pair.name)
         return found
@@ -144,6 +153,12 @@ class GraspProblem:
 def _saturated(V: float, strict: float) -> tuple[float, float]:
     """Return psi(V) and its slope."""
     return (V, 1.0) if strict >= V else (strict * (1.0 + math.log(V / strict)), strict / V)
+
+
+def _violated(residual: Residual) -> Residual:
+    """Return what is below zero, and zero elsewhere."""
+    below = residual.values < 0.0
+    return Residual(np.where(below, residual.values, 0.0), residual.jacobian * below[:, None])
 
 
 def _scaled(residual: Residual, scale: float) -> Residual:

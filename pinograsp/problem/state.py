@@ -31,6 +31,7 @@ from ..models import (
     contact_kinematics,
     forward,
     jacobian_derivatives,
+    membership,
     surface_of,
 )
 
@@ -48,6 +49,8 @@ class TaskModel:
         self.T_world_object = target.pose.matrix
         desired = np.array(self.task.desired_contacts)
         self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        region = self.task.contact_region
+        self.region = None if region is None else membership(region)
         self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
         stiffness = robot.description.stiffness
         hand_size = len(self.robot.hand_joints)

@@ -12,7 +12,7 @@ from ..errors import InputError, close_names
 from .certificate import Certificate, Figure
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
-from .contacts import Pads, contact_figures
+from .contacts import Pads, contact_figures, region_figure
 from .forces import balance_figures, force_figures
 from .joints import joint_limits, limits_figure, mimic_figure
 from .kinematics import Kinematics, Poses, read_urdf
@@ -108,8 +108,10 @@ class Verifier:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
         radius = self._target.radius_about(self._center_of_mass)
+        region = self._task.contact_region
         return [
             *contact_figures(claim.points, inward, pads, self._target),
+            *([] if region is None else [region_figure(claim.points, region, pads, self._target)]),
             *balance_figures(claim, pads.normals, self._center_of_mass, radius, self._task),
             *force_figures(claim, inward, self._pads, self._task),
         ]

@@ -8,12 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..descriptions.regions import Region
 from ..descriptions.robot import PadDescription
 from .certificate import Figure
 from .kinematics import Poses
+from .regions import depth
 from .shapes import PENETRATION, PlacedShape
 
 Array = NDArray[np.float64]
+
+REGION_TOLERANCE = 2e-6
+"""How far a contact may be outside its region, m."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +77,13 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
         _largest("contact on pad", pads.distances(points), 1e-6, "m", pads.names),
         _largest("pad tangency", tilts, 2e-3, "rad", pads.names),
     ]
+
+
+def region_figure(points: Array, region: Region, pads: Pads, target: PlacedShape) -> Figure:
+    """Return how deep the least deep contact is in the region where contact may be, m."""
+    depths = [depth(region, target.to_object(point)) for point in points]
+    worst = int(np.argmin(depths))
+    return Figure("contact region", depths[worst], -REGION_TOLERANCE, "m", "at least", pads.names[worst])
 
 
 def _largest(name: str, values: Array, limit: float, unit: str, pads: tuple[str, ...]) -> Figure:

@@ -6,6 +6,7 @@ A class gives the shape in its own frame; `PlacedShape` puts it into the world. 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..descriptions.scene import Body
-from ..descriptions.shapes import Box, Sphere
+from ..descriptions.shapes import Box, Cylinder, Sphere
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,41 @@ class BoxGeometry:
         return float(np.linalg.norm(np.abs(point) + self._half))
 
 
-GEOMETRY: dict[type, Any] = {Sphere: SphereGeometry, Box: BoxGeometry}
+class CylinderGeometry:
+    """A cylinder around z. Its second core is the cylinder less the penetration that is allowed."""
+
+    def __init__(self, shape: Cylinder) -> None:
+        self._radius, self._half = float(shape.radius), float(shape.height) / 2
+        cores = [Core(coal.Cylinder(self._radius, 2 * self._half), 0.0)]
+        if min(self._radius, self._half) > PENETRATION:
+            inner = coal.Cylinder(self._radius - PENETRATION, 2 * (self._half - PENETRATION))
+            cores.append(Core(inner, PENETRATION))
+        self.cores = tuple(cores)
+
+    def _beyond(self, point: Array) -> tuple[float, float]:
+        """Return how far a point is beyond the side and beyond the nearer cap."""
+        return math.hypot(point[0], point[1]) - self._radius, abs(float(point[2])) - self._half
+
+    def distance(self, point: Array) -> float:
+        """Signed distance of a point to the surface."""
+        side, cap = self._beyond(point)
+        return math.hypot(max(side, 0.0), max(cap, 0.0)) + min(max(side, cap), 0.0)
+
+    def inward(self, point: Array) -> Array:
+        """Inward unit normal of side or cap, whichever is nearer (farther beyond, at an edge)."""
+        side, cap = self._beyond(point)
+        if cap > side:
+            return np.array([0.0, 0.0, -math.copysign(1.0, point[2])])
+        across = np.array([point[0], point[1], 0.0])
+        length = float(np.linalg.norm(across))
+        return -across / length if length > 0.0 else np.full(3, np.nan)
+
+    def radius_about(self, point: Array) -> float:
+        """Radius of the least ball about `point` that holds the shape."""
+        return math.hypot(math.hypot(point[0], point[1]) + self._radius, abs(float(point[2])) + self._half)
+
+
+GEOMETRY: dict[type, Any] = {Sphere: SphereGeometry, Box: BoxGeometry, Cylinder: CylinderGeometry}
 
 
 class PlacedShape:
@@ -114,17 +149,18 @@ class PlacedShape:
         self.cores = self._geometry.cores
         self.placement = coal.Transform3s(self._rotation, self.center)
 
-    def _local(self, point: Array) -> Array:
+    def to_object(self, point: Array) -> Array:
+        """Transform a world point, shape (3,), into the frame of the body."""
         return np.asarray(self._rotation.T @ (point - self.center))
 
     def distance(self, point: Array) -> float:
         """Signed distance of a world point, shape (3,), to the surface, m."""
-        return self._geometry.distance(self._local(point))
+        return self._geometry.distance(self.to_object(point))
 
     def inward(self, point: Array) -> Array:
         """Inward unit normal in the world at the surface point nearest to a world point, shape (3,)."""
-        return np.asarray(self._rotation @ self._geometry.inward(self._local(point)))
+        return np.asarray(self._rotation @ self._geometry.inward(self.to_object(point)))
 
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about a world point, shape (3,), that holds the shape, m."""
-        return self._geometry.radius_about(self._local(point))
+        return self._geometry.radius_about(self.to_object(point))

@@ -7,16 +7,23 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..descriptions.scene import Body, Enclosure
-from ..descriptions.shapes import Box, Sphere
+from ..descriptions.shapes import Box, Cylinder, Sphere
 from . import colors
-from .symbols import Look, Piece, box, box_edges, draw
+from .symbols import Look, Piece, box, box_edges, draw, frustum
 from .viewer import Visualizer, geometry
+
+
+def _height(z: float) -> Array:
+    return np.array([0.0, 0.0, z])
+
 
 SHAPES: dict[type, Callable[[Any], Piece]] = {
     Sphere: lambda shape: Piece(geometry.Sphere(shape.radius), np.eye(4)),
     Box: lambda shape: Piece(geometry.Box(list(shape.size)), np.eye(4)),
+    Cylinder: lambda shape: frustum(_height(-shape.height / 2), _height(shape.height / 2), shape.radius, shape.radius),
 }
 """How each shape of the scene file is drawn, in its own frame."""
 

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from ...arrays import Array
 from ...descriptions import shapes as described
 from .box import BoxSurface
+from .cylinder import CylinderSurface
 from .sphere import SphereSurface
 
 
@@ -41,6 +42,7 @@ class Surface(Protocol):
 _SURFACES: dict[type, Any] = {
     described.Sphere: SphereSurface,
     described.Box: BoxSurface,
+    described.Cylinder: CylinderSurface,
 }
 
 

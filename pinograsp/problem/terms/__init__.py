@@ -5,6 +5,7 @@ Whether a term is cost, equality or inequality is decided in `problem.assembly`.
 
 from .clearance import Clearance
 from .contact_gap import contact_gap
+from .contact_region import contact_region
 from .desired_contacts import desired_contacts
 from .force_cost import force_cost
 from .residual import Residual
@@ -15,6 +16,7 @@ __all__ = [
     "Clearance",
     "Residual",
     "contact_gap",
+    "contact_region",
     "desired_contacts",
     "facing",
     "force_cost",
