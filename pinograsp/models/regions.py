@@ -28,7 +28,8 @@ Membership = Callable[[Array], tuple[Array, Array]]
 
 def membership(region: described.Region) -> Membership:
     """Return the smooth membership of a region."""
-    return _MAKERS[type(region)](region, 1.0)
+    made: Membership = _MAKERS[type(region)](region, 1.0)
+    return made
 
 
 def _signed(function: Membership, sign: float) -> Membership:

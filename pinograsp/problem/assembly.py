@@ -38,6 +38,8 @@ FACING = 4.0
 """Weight of the pads' directions in the projection, per radian."""
 PUSH = 0.3
 """Weight of violated clearances against contacts in the projection."""
+INSIDE = 2e-6
+"""How far inside its region a contact must be, m: the solver's tolerance must not let it out."""
 UNBALANCED = 5e-4
 """Unbalanced part of the wrench that is let pass."""
 
@@ -114,7 +116,7 @@ class GraspProblem:
         inequalities = _stack(
             log_V,
             self._balance(state),
-            _scaled(contact_region(state), -PER_METRE),
+            _scaled(_less(contact_region(state), INSIDE), -PER_METRE),
             _scaled(self.clearance(state), -PER_METRE),
         )
         return Evaluation(x, cost, gradient, equalities, inequalities)
@@ -144,7 +146,7 @@ class GraspProblem:
         }
         if self.model.region is not None:
             inside = contact_region(state).values
-            found["contact region"] = (max(0.0, -1e3 * float(inside.min())), pads[int(inside.argmin())])
+            found["contact region"] = (max(0.0, 1e3 * float(INSIDE - inside.min())), pads[int(inside.argmin())])
         for kind, (above, pair) in self.clearance.worst(state).items():
             found[kind] = (max(0.0, -1e3 * above), pair.name)
         return found
@@ -159,6 +161,10 @@ def _violated(residual: Residual) -> Residual:
     """Return what is below zero, and zero elsewhere."""
     below = residual.values < 0.0
     return Residual(np.where(below, residual.values, 0.0), residual.jacobian * below[:, None])
+
+
+def _less(residual: Residual, amount: float) -> Residual:
+    return Residual(residual.values - amount, residual.jacobian)
 
 
 def _scaled(residual: Residual, scale: float) -> Residual:

@@ -21,6 +21,8 @@ from .projection import Projection, beginnings, nearest_assignment
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 ALGORITHMS: tuple[Algorithm, ...] = ("LD_SLSQP", "LN_COBYLA")
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
+DEPENDENT = 1e-4
+"""A row counts as dependent on others if no more than this part of it is perpendicular to them."""
 _DEFAULT_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 150, "LN_COBYLA": 3000}
 
 
@@ -151,9 +153,30 @@ def _outcome(code: int, feasible: bool) -> Outcome:
     return "infeasible" if stopped_by_itself or code == nlopt.ROUNDOFF_LIMITED else "failed"
 
 
+def _independent(J: Array) -> tuple[list[int], list[int]]:
+    """Return the rows that are independent of those before them (Gram-Schmidt), and the others."""
+    basis: list[Array] = []
+    kept, rest = [], []
+    for index, row in enumerate(J):
+        new = row - sum((q * (q @ row) for q in basis), np.zeros_like(row))
+        length = float(np.linalg.norm(new))
+        if length > DEPENDENT * float(np.linalg.norm(row)):
+            basis.append(new / length)
+            kept.append(index)
+        else:
+            rest.append(index)
+    return kept, rest
+
+
 def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
-    """Run NLopt from x; the recorder holds the outcome. Return NLopt's code and a message."""
+    """Run NLopt from x; the recorder holds the outcome. Return NLopt's code and a message.
+
+    Equalities that depend on others at x (two parallel pads on a cylinder both want their normal across the axis) would
+    leave the solver without a unique step; they become pairs of inequalities with half the tolerance as slack.
+    """
     problem = recorder.problem
+    kept, rest = _independent(recorder.at(x).equalities.jacobian)
+    slack = 0.5 * options.tolerance
     optimizer = nlopt.opt(getattr(nlopt, options.algorithm), len(x))
     optimizer.set_lower_bounds(problem.lower)
     optimizer.set_upper_bounds(problem.upper)
@@ -167,19 +190,23 @@ def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, st
             gradient[:] = evaluation.cost_gradient
         return evaluation.cost
 
-    def constraint(name: Literal["equalities", "inequalities"]) -> Any:
-        def values(result: Array, x: Array, gradient: Array) -> None:
-            residual = getattr(recorder.at(x), name)
-            result[:] = residual.values
-            if gradient.size:
-                gradient[:] = residual.jacobian
+    def equalities(result: Array, x: Array, gradient: Array) -> None:
+        residual = recorder.at(x).equalities
+        result[:] = residual.values[kept]
+        if gradient.size:
+            gradient[:] = residual.jacobian[kept]
 
-        return values
+    def inequalities(result: Array, x: Array, gradient: Array) -> None:
+        evaluation = recorder.at(x)
+        values, jacobian = evaluation.equalities.values[rest], evaluation.equalities.jacobian[rest]
+        result[:] = np.concatenate([evaluation.inequalities.values, values - slack, -values - slack])
+        if gradient.size:
+            gradient[:] = np.concatenate([evaluation.inequalities.jacobian, jacobian, -jacobian])
 
     optimizer.set_min_objective(cost)
     tight = 0.1 * options.tolerance
-    optimizer.add_equality_mconstraint(constraint("equalities"), np.full(problem.equality_count, tight))
-    optimizer.add_inequality_mconstraint(constraint("inequalities"), np.full(problem.inequality_count, tight))
+    optimizer.add_equality_mconstraint(equalities, np.full(len(kept), tight))
+    optimizer.add_inequality_mconstraint(inequalities, np.full(problem.inequality_count + 2 * len(rest), tight))
     try:
         optimizer.optimize(x)
     except nlopt.RoundoffLimited:

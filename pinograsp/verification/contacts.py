@@ -17,7 +17,7 @@ from .shapes import PENETRATION, PlacedShape
 
 Array = NDArray[np.float64]
 
-REGION_TOLERANCE = 2e-6
+REGION_TOLERANCE = 1e-9
 """How far a contact may be outside its region, m."""
 
 
