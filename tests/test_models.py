@@ -644,6 +644,7 @@ def test_derivatives_of_signed_distance(shape: Shape, point: Array) -> None:
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
 def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
+    assume(not isinstance(shape, Cylinder) or np.linalg.norm(point) > 1e-3)  # Coal errs on concentric bodies
     surface = surface_of(shape)
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
