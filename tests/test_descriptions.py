@@ -256,7 +256,7 @@ def test_not_a_description(kind: str, content: str | bytes, words: str, line: in
     "name", ["glovebx", "scenes/glovebx.yaml", "nowhere/glovebx.yaml", "~nobody_at_all/glovebx.yaml"]
 )
 def test_missing_scene(name: str) -> None:
-    with pytest.raises(InputError, match=r"no such scene file.*Did you mean glovebox\?") as caught:
+    with pytest.raises(InputError, match=r"no such scene file.*Did you mean glovebox\b") as caught:
         load_scene(name)
     assert caught.value.file == Path(name)
 

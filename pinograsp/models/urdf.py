@@ -147,7 +147,7 @@ def _find_meshes(root: ET.Element, description: RobotDescription) -> tuple[str, 
 
 
 def _mount(root: ET.Element, T: NDArray[np.float64]) -> None:
-    children = {joint.find("child").get("link") for joint in root.findall("joint")}  # type: ignore[union-attr]
+    children = {child.get("link") for child in root.iterfind("joint/child")}
     base = next(link.get("name", "") for link in root.findall("link") if link.get("name") not in children)
     R = T[:3, :3]
     pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
