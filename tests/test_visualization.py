@@ -17,10 +17,11 @@ from pinograsp.descriptions import load_robot_description, load_scene, shapes
 from pinograsp.errors import InputError
 from pinograsp.results.grasp import Contact, Cost, Grasp
 from pinograsp.verification.certificate import Certificate, Figure
-from pinograsp.visualization import camera, show, symbols, write_html
+from pinograsp.visualization import camera, colors, show, symbols, write_html
 from pinograsp.visualization.forces import LONGEST_ARROW
 from pinograsp.visualization.page import write_atomically
-from pinograsp.visualization.scene import SHAPES
+from pinograsp.visualization.regions import MESHES, painted_surface
+from pinograsp.visualization.scene import SHAPES, draw_scene
 from pinograsp.visualization.viewer import Recorder, Visualizer
 
 KNUCKLE = 0.12
@@ -141,7 +142,7 @@ def test_a_box_has_twelve_edges_of_its_lengths():
 
 def test_every_shape_of_a_scene_file_can_be_drawn():
     union, *_ = get_args(shapes.Shape)
-    assert set(get_args(union)) == set(SHAPES)
+    assert set(get_args(union)) == set(SHAPES) == set(MESHES)
 
 
 def test_everything_is_drawn(picture):
@@ -268,3 +269,20 @@ def test_a_live_viewer_prints_nothing_and_ends_with_its_process():
     run = subprocess.run([sys.executable, "-c", code], cwd=here, capture_output=True, text=True, timeout=20, check=True)
     assert run.stderr == ""
     assert not Path(f"/proc/{int(run.stdout)}").exists()
+
+
+def test_regions_are_painted(robot, tmp_path):
+    scene = load_scene("glovebox_can")
+    task = scene.task("can_region")
+    can = scene.objects["can"].shape
+    painted = painted_surface(can, task.contact_region)
+    middles = painted.vertices.reshape(-1, 3, 3).mean(axis=1)
+    green = painted.color.reshape(-1, 3, 3)[:, 0, 1] > 0.6
+    assert np.array_equal(green, (middles[:, 2] >= 0.034) & (middles[:, 2] <= 0.059))
+    assert 0.1 < green.mean() < 0.5
+    recorder = Recorder()
+    draw_scene(Visualizer(window=recorder), scene, task)
+    drawn = [command for command in recorder.commands if command["path"].endswith("object")]
+    assert any("vertexColors" in str(command) for command in drawn)
+    assert set(colors.legend(regions=True)) >= {"contact allowed", "contact forbidden"}
+    assert "object" in colors.legend(regions=False)

@@ -9,6 +9,8 @@ DESIRED = 0x2F7BFF
 CONTACT = 0x111111
 OBJECT = 0xF2A33A
 OTHER = 0x9AA0A6
+ALLOWED = 0x4CB963
+FORBIDDEN = 0xD9534F
 WALL = 0x9DB8D2
 FLOOR = 0xD5DBE2
 EDGE = 0x7C8A99
@@ -25,6 +27,17 @@ LEGEND = {
     "object": OBJECT,
     "obstacles and other objects": OTHER,
 }
+
+REGION_LEGEND = {"contact allowed": ALLOWED, "contact forbidden": FORBIDDEN}
+"""Instead of the object's colour where a task has contact regions."""
+
+
+def legend(*, regions: bool) -> dict[str, int]:
+    """Return what each colour means, in a task with or without contact regions."""
+    entries: dict[str, int] = {}
+    for text, color in LEGEND.items():
+        entries |= REGION_LEGEND if regions and text == "object" else {text: color}
+    return entries
 
 
 def css(color: int) -> str:

@@ -9,11 +9,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions.regions import Region
 from ..descriptions.scene import Body, Enclosure
 from ..descriptions.shapes import Box, Cylinder, Sphere
 from . import colors
+from .regions import painted_surface
 from .symbols import Look, Piece, box, box_edges, draw, frustum
-from .viewer import Visualizer, geometry
+from .viewer import LayeredMesh, Visualizer, geometry
 
 
 def _height(z: float) -> Array:
@@ -34,9 +36,19 @@ EDGE_RADIUS = 0.003
 def draw_scene(viewer: Visualizer, scene: SceneDescription, task: TaskDescription) -> None:
     """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names."""
     draw_enclosure(viewer["enclosure"], scene.enclosure)
-    draw_body(viewer["object"], scene.objects[task.object], Look(colors.OBJECT, 0.45, colors.OBJECT_LAYER))
+    _draw_object(viewer["object"], scene.objects[task.object], task.contact_region)
     for name, body in scene.bodies_besides(task).items():
         draw_body(viewer["obstacles"][name], body, Look(colors.OTHER))
+
+
+def _draw_object(node: Visualizer, body: Body, region: Region | None) -> None:
+    """Draw the object, painted by where contact may be if that is not everywhere."""
+    if region is None:
+        draw_body(node, body, Look(colors.OBJECT, 0.45, colors.OBJECT_LAYER))
+        return
+    material = geometry.MeshPhongMaterial(vertexColors=True, transparent=True, opacity=0.6, depthWrite=False)
+    node.set_object(LayeredMesh(painted_surface(body.shape, region), material, colors.OBJECT_LAYER))
+    node.set_transform(body.pose.matrix)
 
 
 def draw_body(node: Visualizer, body: Body, look: Look) -> None:
