@@ -1,6 +1,6 @@
 """Starts and local solves: where to begin, projection on the contacts, NLopt."""
 
-from .local import ALGORITHMS, LocalSolver, Solution, SolverOptions
+from .local import LocalSolver, Solution, SolverOptions
 from .starts import starts_near
 
-__all__ = ["ALGORITHMS", "LocalSolver", "Solution", "SolverOptions", "starts_near"]
+__all__ = ["LocalSolver", "Solution", "SolverOptions", "starts_near"]

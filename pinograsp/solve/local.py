@@ -19,7 +19,6 @@ from ..problem import Evaluation, GraspProblem, TaskModel
 from .projection import Projection, beginnings, nearest_assignment
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
-ALGORITHMS: tuple[Algorithm, ...] = ("LD_SLSQP", "LN_COBYLA")
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
 DEPENDENT = 1e-4
 """A row counts as dependent on others if no more than this part of it is perpendicular to them."""
