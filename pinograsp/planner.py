@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Generator
-from contextlib import closing
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -100,12 +100,10 @@ def plan(
     times = {"prepare": time.perf_counter() - began}
     run: dict[str, object] = {"seed": seed, "workers": workers, "options": options.to_json()}
     try:
-        opened = _database(database, model, workers, build_progress)
-        times["database"] = time.perf_counter() - began - times["prepare"]
-        postures = starts_near(opened, model, starts, seed)
-        run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
-        if not isinstance(database, Database):
-            opened.close()
+        with _database(database, model, workers, build_progress) as opened:
+            times["database"] = time.perf_counter() - began - times["prepare"]
+            postures = starts_near(opened, model, starts, seed)
+            run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
         times["starts"] = time.perf_counter() - began - times["prepare"] - times["database"]
         with closing(_attempts(robot, scene, task, options, postures, workers)) as running:
             for attempt in running:
@@ -118,19 +116,22 @@ def plan(
     return _result(robot, scene, task, starts, attempts, interrupted, times, run)
 
 
+@contextmanager
 def _database(
     given: Database | Path | str | None,
     model: TaskModel,
     workers: int,
     progress: Callable[[BuildProgress], None] | None,
-) -> Database:
-    """Return the database to take starts from, open for reading, for certain the right one."""
+) -> Iterator[Database]:
+    """Give the database to take starts from, for certain the right one; what is opened here is closed again."""
     robot, scene, margins = model.robot, model.scene, model.task.margin
     if given is None:
-        return cached_database(robot, scene, margins, workers=workers, progress=progress)
-    opened = given if isinstance(given, Database) else Database.open(given)
-    opened.require(Identity.of(robot, scene, margins))
-    return opened
+        with cached_database(robot, scene, margins, workers=workers, progress=progress) as cached:
+            yield cached
+        return
+    with nullcontext(given) if isinstance(given, Database) else Database.open(given) as opened:
+        opened.require(Identity.of(robot, scene, margins))
+        yield opened
 
 
 def _attempts(

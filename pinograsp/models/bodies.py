@@ -60,15 +60,12 @@ def robot_solids(robot: RobotModel) -> list[Solid]:
         link = robot.model.frames[item.parentFrame].name
         shape = item.geometry
         if isinstance(shape, coal.BVHModelBase):
-            shape = _hull(shape, np.array(item.meshScale), link, robot)
+            shape = _hull(shape, link, robot)
         solids.append(_bounded(link, item.parentJoint, item.placement.homogeneous, shape))
     return solids
 
 
-def _hull(mesh: Any, scale: Array, link: str, robot: RobotModel) -> Any:
-    # Pinocchio has scaled the vertices already; `scale` is only a finite-ness check of the URDF's value.
-    if not np.isfinite(scale).all():
-        raise InputError("mesh scale is not finite", file=robot.description.urdf_file, key=f"link {link}")
+def _hull(mesh: Any, link: str, robot: RobotModel) -> Any:
     mesh.buildConvexHull(True, "Qt")
     if mesh.convex is None:
         raise InputError("mesh has no convex hull", file=robot.description.urdf_file, key=f"link {link}")
