@@ -1,8 +1,8 @@
 """The terms put together as cost, equalities and inequalities, scaled for a solver.
 
     cost          COST_SCALE (Phi [mm^2] + k psi(V*))
-    equalities    contact gap, tangency                              = 0
-    inequalities  V*, unbalanced wrench, region, clearance of links <= 0
+    equalities    contact gap, pads facing the surface               = 0
+    inequalities  V*, unbalanced wrench, region, approach, joint limits, clearance of links <= 0
 
 Scaling: one millimetre is 0.1 in every constraint, and the cost is U / 1000; this decides how many starts
 succeed. psi(V) = V up to the value that proves every friction and force limit (strict_cost), and grows like log V
@@ -22,26 +22,37 @@ from .state import State, TaskModel
 from .terms import (
     Clearance,
     Residual,
+    approach,
+    approach_angle,
     contact_gap,
     contact_region,
     desired_contacts,
     facing,
     force_cost,
-    tangency,
+    joint_limits,
     unbalanced_wrench,
 )
 
 COST_SCALE = 1e-3
 PER_METRE = 100.0
 """Constraint value per metre of violation."""
+PER_RADIAN = 10.0
+"""Constraint value per radian of an approach direction outside its cone."""
 FACING = 4.0
 """Weight of the pads' directions in the projection, per radian."""
-PUSH = 0.3
-"""Weight of violated clearances against contacts in the projection."""
 INSIDE = 2e-6
 """How far inside its region a contact must be, m: the solver's tolerance must not let it out."""
+DEPENDENT = 1e-4
+"""Singular value, in parts of the largest, below which equalities count as dependent."""
+INSIDE_CONE = 2e-5
+"""How far inside its cone the approach direction must be, rad: as for `INSIDE`."""
+INSIDE_LIMITS = 2e-5
+"""How far inside its limits a joint must be that several synergies move, rad (m): as for `INSIDE`."""
 UNBALANCED = 5e-4
 """Unbalanced part of the wrench that is let pass."""
+
+UNITS = {"forces": "", "approach": "deg", "joint limits": "deg"}
+"""Units of violations that are not in mm; forces are relative. A degree weighs about as much as a millimetre."""
 
 
 @dataclass(frozen=True)
@@ -70,34 +81,59 @@ class GraspProblem:
         self.clearance = Clearance(model)
         self._data = model.robot.model.createData()
         pads = model.robot.description.pads
-        limits = [interval for pad in pads for interval in (pad.patch.u, pad.patch.v)]
-        self.lower = np.concatenate([model.robot.lower, [low for low, _ in limits]])
-        self.upper = np.concatenate([model.robot.upper, [high for _, high in limits]])
-        self.equality_count = 3 * len(pads)
+        low, high = model.robot.parameter_limits.T
+        self.lower = np.concatenate([model.lower, low])
+        self.upper = np.concatenate([model.upper, high])
         regions = 0 if model.region is None else len(pads)
-        self.inequality_count = 2 + regions + len(self.clearance.links)
+        cones = 0 if model.approach is None else 1
+        limits = 2 * len(model.robot.shared_joints)
+        self.inequality_count = 2 + regions + cones + limits + len(self.clearance.links)
 
     def state(self, x: Array) -> State:
         """Return the state at x."""
         return State(self.model, self._data, x, self.assignment)
 
-    def contact_residual(self, x: Array) -> Residual:
-        """Return gap, direction of the pads and distances from the desired points, scaled for a projection."""
-        return self._contact_residual(self.state(x))
+    def projection_residual(self, x: Array, wishes: float, clearances: float) -> Residual:
+        """Return what a projection makes small: all constraints on geometry, as residuals, and the wish.
 
-    def contact_and_clearance_residual(self, x: Array) -> Residual:
-        """Return `contact_residual` and the violated part of every clearance (zero where it is kept)."""
+        Gap and direction of the pads, and where they are violated region, approach, joint limits and clearances; scaled.
+
+        Args:
+            x: the point, shape (v,).
+            wishes: weight of the distances from the desired points; 0: left out.
+            clearances: weight of the violated clearances; 0: left out, not measured.
+        """
         state = self.state(x)
-        pushing = _scaled(_violated(self.clearance(state)), PUSH * PER_METRE)
-        return _stack(self._contact_residual(state), pushing)
-
-    def _contact_residual(self, state: State) -> Residual:
-        return _stack(
+        residuals = [
             _scaled(contact_gap(state), PER_METRE),
             _scaled(facing(state), FACING),
-            _scaled(desired_contacts(state), PER_METRE),
-            _scaled(_violated(contact_region(state)), PER_METRE),
-        )
+            _scaled(_violated(_less(contact_region(state), INSIDE)), PER_METRE),
+            _scaled(_violated(_less(approach(state), INSIDE_CONE)), PER_RADIAN),
+            _scaled(_violated(_less(joint_limits(state), INSIDE_LIMITS)), PER_RADIAN),
+        ]
+        if wishes > 0.0:
+            residuals.append(_scaled(desired_contacts(state), wishes * PER_METRE))
+        if clearances > 0.0:
+            residuals.append(_scaled(_violated(self.clearance(state)), clearances * PER_METRE))
+        return _stack(*residuals)
+
+    def equality_basis(self, near: Evaluation) -> Array:
+        """Return combinations of the equalities that are independent near a point of contact, shape (r, 4 n).
+
+        Of the three components of a pad's direction two are independent where it faces the surface: those across the
+        surface's normal. Among them some can depend on others, there and wherever the solver goes from there: pads
+        that are parallel whatever the hand does cannot both be tilted against the straight line of a cylinder. What is
+        left out stays part of `Evaluation.violation`.
+        """
+        normals = self.state(near.x).surface[1]
+        n = len(normals)
+        across = np.zeros((3 * n, 4 * n))
+        across[:n, :n] = np.eye(n)
+        for i, normal in enumerate(normals):
+            _, _, axes = np.linalg.svd(normal[None])
+            across[n + 2 * i : n + 2 * i + 2, n + 3 * i : n + 3 * i + 3] = axes[1:]
+        rows, sizes, _ = np.linalg.svd(across @ near.equalities.jacobian, full_matrices=False)
+        return np.asarray(rows[:, sizes > DEPENDENT * sizes.max()].T @ across)
 
     def evaluate(self, x: Array) -> Evaluation:
         """Return cost and constraints with gradients at x."""
@@ -110,13 +146,15 @@ class GraspProblem:
         gradient = COST_SCALE * (2e6 * offsets.values @ offsets.jacobian + k * slope * V.jacobian[0])
         equalities = _stack(
             _scaled(contact_gap(state), PER_METRE),
-            _scaled(tangency(state), PER_METRE * self.model.load.rho),
+            _scaled(facing(state), PER_METRE * self.model.load.rho),
         )
         log_V = Residual(np.log(V.values / strict), V.jacobian / V.values[0])
         inequalities = _stack(
             log_V,
             self._balance(state),
             _scaled(_less(contact_region(state), INSIDE), -PER_METRE),
+            _scaled(_less(approach(state), INSIDE_CONE), -PER_RADIAN),
+            _scaled(_less(joint_limits(state), INSIDE_LIMITS), -PER_RADIAN),
             _scaled(self.clearance(state), -PER_METRE),
         )
         return Evaluation(x, cost, gradient, equalities, inequalities)
@@ -130,23 +168,30 @@ class GraspProblem:
         return Residual(np.array([scale * (smooth - UNBALANCED)]), scale * norm / smooth * unbalanced.jacobian)
 
     def violations(self, state: State) -> dict[str, tuple[float, str]]:
-        """Return, by name of constraint, its violation (mm, or relative for forces; 0 if kept) and where.
+        """Return, by name of constraint, its violation (in `UNITS`, 0 if kept) and where.
 
-        Clearances are the unsmoothed ones.
+        Clearances are the unsmoothed ones. The bounds of the posture, and joint ranges with them, always hold.
         """
         gap = np.abs(contact_gap(state).values)
-        slope = np.abs(tangency(state).values) * self.model.load.rho
+        slope = np.linalg.norm(facing(state).values.reshape(-1, 3), axis=1) * self.model.load.rho
         pads = [pad.name for pad in self.model.robot.description.pads]
         unbalanced = float(unbalanced_wrench(state).values[0]) if self.model.task.balance_wrench else 0.0
         found = {
             "contact": (1e3 * float(gap.max()), pads[int(gap.argmax())]),
-            "tangency": (1e3 * float(slope.max()), pads[int(slope.argmax()) // 2]),
+            "tangency": (1e3 * float(slope.max()), pads[int(slope.argmax())]),
             "forces": (max(0.0, math.log(state.forces.V / self.model.limits.strict_cost)), ""),
             "balance": (max(0.0, unbalanced - UNBALANCED) * 1e3 * self.model.load.rho, ""),
         }
         if self.model.region is not None:
             inside = contact_region(state).values
             found["contact region"] = (max(0.0, 1e3 * float(INSIDE - inside.min())), pads[int(inside.argmin())])
+        if self.model.approach is not None:
+            beyond = approach_angle(state) + INSIDE_CONE - self.model.approach.angle
+            found["approach"] = (max(0.0, math.degrees(beyond)), self.model.robot.description.arm.wrist)
+        if len(shared := self.model.robot.shared_joints):
+            inside = joint_limits(state).values - INSIDE_LIMITS
+            name = self.model.robot.joint_names[shared[int(inside.argmin()) % len(shared)]]
+            found["joint limits"] = (max(0.0, -math.degrees(inside.min())), name)
         for kind, (above, pair) in self.clearance.worst(state).items():
             found[kind] = (max(0.0, -1e3 * above), pair.name)
         return found

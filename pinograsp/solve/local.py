@@ -20,9 +20,13 @@ from .projection import Projection, beginnings, nearest_assignment
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-DEPENDENT = 1e-4
-"""A row counts as dependent on others if no more than this part of it is perpendicular to them."""
-_DEFAULT_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 150, "LN_COBYLA": 3000}
+ROUND = 40
+"""Evaluations of a round within a box."""
+GAIN = 1e-3
+"""Part of the cost that a round must gain for another one."""
+STOPPED_BY_ITSELF = {nlopt.SUCCESS, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED, nlopt.STOPVAL_REACHED}
+_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 150, "LN_COBYLA": 3000}
+_REACH: dict[Algorithm, float] = {"LD_SLSQP": 0.25, "LN_COBYLA": math.inf}
 
 
 @dataclass(frozen=True)
@@ -34,19 +38,31 @@ class SolverOptions:
     """Budget of evaluations a solve; None: 150 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
-    cost_tolerance: float = 1e-9
-    """Absolute change of the scaled cost at which a solve stops: 1e-6 mm^2 in U."""
+    cost_tolerance: float = 1e-7
+    """Absolute change of the scaled cost at which a solve stops: 1e-4 mm^2 in U."""
+    reach: float | None = None
+    """Half edge of a round's box, in `RobotModel.step_units`; None: 0.25 for LD_SLSQP, infinite for LN_COBYLA."""
     projection: Projection = "contacts and clearance"
     """What a start is projected on before the solve."""
 
     @property
     def budget(self) -> int:
         """Evaluations a start."""
-        return self.max_evaluations or _DEFAULT_BUDGET[self.algorithm]
+        return self.max_evaluations or _BUDGET[self.algorithm]
+
+    @property
+    def box(self) -> float:
+        """Half edge of a round's box."""
+        return self.reach or _REACH[self.algorithm]
+
+    @property
+    def round(self) -> int:
+        """Evaluations a round."""
+        return self.budget if math.isinf(self.box) else ROUND
 
     def to_json(self) -> dict[str, Any]:
-        """Return the options as JSON data, the budget resolved."""
-        return {**asdict(self), "max_evaluations": self.budget}
+        """Return the options as JSON data, budget and box resolved."""
+        return {**asdict(self), "max_evaluations": self.budget, "reach": self.box}
 
 
 @dataclass(frozen=True)
@@ -58,7 +74,7 @@ class Solution:
     assignment: tuple[int, ...]
     x: Array
     violations: dict[str, tuple[float, str]]
-    """By name of constraint: violation (mm; relative for forces) and where."""
+    """By name of constraint: violation (mm, or as `problem.UNITS` says) and where."""
     evaluations: int
     seconds: float
     message: str = ""
@@ -90,6 +106,15 @@ class _Recorder:
     def feasible(self) -> bool:
         """Whether the best point keeps the constraints to the tolerance."""
         return self.best is not None and self.best.violation <= self.tolerance
+
+    @property
+    def merit(self) -> tuple[float, float]:
+        """Violation above the tolerance, and cost, of the best point."""
+        return self._key
+
+    def gained(self, before: tuple[float, float]) -> bool:
+        """Whether the best point is better than a feasible one, by more than the part `GAIN`, or than an infeasible."""
+        return before[0] > 0.0 or self._key[1] < (1.0 - GAIN) * before[1]
 
     def at(self, x: Array) -> Evaluation:
         if self.last is None or not np.array_equal(x, self.last.x):
@@ -126,15 +151,18 @@ class LocalSolver:
         began = time.perf_counter()
         problem = self.problem(tuple(range(len(self._model.desired_points))))
         centers = 0.5 * (problem.lower + problem.upper)[self._model.robot.posture_size :]
-        x = np.concatenate([start, centers])
+        x = np.clip(np.concatenate([start, centers]), problem.lower, problem.upper)
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
-        recorder = _Recorder(problem, self._options.tolerance)
+        runs = []
         for beginning in beginnings(problem, x, self._options.projection):
-            code, message = _run(recorder, beginning, self._options)
+            recorder = _Recorder(problem, self._options.tolerance)
+            runs.append((recorder, *_run(recorder, beginning, self._options)))
             if recorder.feasible:
                 break
-        best, count = recorder.best, recorder.evaluations
+        count = sum(recorder.evaluations for recorder, _, _ in runs)
+        recorder, code, message = min(runs, key=lambda run: run[0].merit)
+        best = recorder.best
         if best is None:
             return Solution(index, "failed", assignment, x, {}, count, time.perf_counter() - began, message)
         violations = problem.violations(problem.state(best.x))
@@ -144,7 +172,7 @@ class LocalSolver:
 
 
 def _outcome(code: int, feasible: bool) -> Outcome:
-    stopped_by_itself = code in {nlopt.SUCCESS, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED, nlopt.STOPVAL_REACHED}
+    stopped_by_itself = code in STOPPED_BY_ITSELF
     if feasible:
         return "converged" if stopped_by_itself else "feasible"
     if code in {nlopt.MAXEVAL_REACHED, nlopt.MAXTIME_REACHED}:
@@ -152,62 +180,72 @@ def _outcome(code: int, feasible: bool) -> Outcome:
     return "infeasible" if stopped_by_itself or code == nlopt.ROUNDOFF_LIMITED else "failed"
 
 
-def _independent(J: Array) -> tuple[list[int], list[int]]:
-    """Return the rows that are independent of those before them (Gram-Schmidt), and the others."""
-    basis: list[Array] = []
-    kept, rest = [], []
-    for index, row in enumerate(J):
-        new = row - sum((q * (q @ row) for q in basis), np.zeros_like(row))
-        length = float(np.linalg.norm(new))
-        if length > DEPENDENT * float(np.linalg.norm(row)):
-            basis.append(new / length)
-            kept.append(index)
-        else:
-            rest.append(index)
-    return kept, rest
-
-
 def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
-    """Run NLopt from x; the recorder holds the outcome. Return NLopt's code and a message.
+    """Run NLopt from x, round after round; the recorder holds the outcome. Return NLopt's code and a message.
 
-    Equalities that depend on others at x (two parallel pads on a cylinder both want their normal across the axis) would
-    leave the solver without a unique step; they become pairs of inequalities with half the tolerance as slack.
+    A round is a run within a box around the point where it begins. Steps of the full length that a quadratic model
+    wants lead far off the curved manifold of contact, and a line search then takes many evaluations to come back;
+    within the box the model is worth something. A round that ends inside its box has converged; otherwise the next
+    begins at the best point so far, until a round gains nothing. After a round that is not feasible the box is gone.
     """
     problem = recorder.problem
-    kept, rest = _independent(recorder.at(x).equalities.jacobian)
-    slack = 0.5 * options.tolerance
+    reach = options.box
+    while True:
+        budget = options.budget - recorder.evaluations
+        before = recorder.merit
+        box = reach * problem.model.robot.step_units
+        lower, upper = np.maximum(problem.lower, x - box), np.minimum(problem.upper, x + box)
+        code, message = _round(recorder, np.clip(x, lower, upper), (lower, upper), budget, options)
+        x = x if recorder.best is None else recorder.best.x
+        held = ((x <= lower) & (lower > problem.lower)) | ((x >= upper) & (upper < problem.upper))
+        if code in STOPPED_BY_ITSELF and recorder.feasible and not held.any():
+            return code, message
+        if math.isinf(reach) or recorder.evaluations >= options.budget:
+            return code, message
+        if not recorder.feasible:
+            reach = math.inf
+        elif not recorder.gained(before):
+            return int(nlopt.FTOL_REACHED), message
+
+
+def _round(
+    recorder: _Recorder, x: Array, box: tuple[Array, Array], budget: int, options: SolverOptions
+) -> tuple[int, str]:
+    """Run NLopt once, within a box, on the variables z = x / step_units."""
+    problem = recorder.problem
+    unit = problem.model.robot.step_units
+    basis = problem.equality_basis(recorder.at(x))
     optimizer = nlopt.opt(getattr(nlopt, options.algorithm), len(x))
-    optimizer.set_lower_bounds(problem.lower)
-    optimizer.set_upper_bounds(problem.upper)
-    optimizer.set_maxeval(options.budget)
+    optimizer.set_lower_bounds(box[0] / unit)
+    optimizer.set_upper_bounds(box[1] / unit)
+    optimizer.set_maxeval(min(budget, options.round))
     optimizer.set_ftol_abs(options.cost_tolerance)
     optimizer.set_xtol_rel(1e-10)
 
-    def cost(x: Array, gradient: Array) -> float:
-        evaluation = recorder.at(x)
+    def cost(z: Array, gradient: Array) -> float:
+        evaluation = recorder.at(z * unit)
         if gradient.size:
-            gradient[:] = evaluation.cost_gradient
+            gradient[:] = evaluation.cost_gradient * unit
         return evaluation.cost
 
-    def equalities(result: Array, x: Array, gradient: Array) -> None:
-        residual = recorder.at(x).equalities
-        result[:] = residual.values[kept]
+    def equalities(result: Array, z: Array, gradient: Array) -> None:
+        residual = recorder.at(z * unit).equalities
+        result[:] = basis @ residual.values
         if gradient.size:
-            gradient[:] = residual.jacobian[kept]
+            gradient[:] = basis @ residual.jacobian * unit
 
-    def inequalities(result: Array, x: Array, gradient: Array) -> None:
-        evaluation = recorder.at(x)
-        values, jacobian = evaluation.equalities.values[rest], evaluation.equalities.jacobian[rest]
-        result[:] = np.concatenate([evaluation.inequalities.values, values - slack, -values - slack])
+    def inequalities(result: Array, z: Array, gradient: Array) -> None:
+        residual = recorder.at(z * unit).inequalities
+        result[:] = residual.values
         if gradient.size:
-            gradient[:] = np.concatenate([evaluation.inequalities.jacobian, jacobian, -jacobian])
+            gradient[:] = residual.jacobian * unit
 
     optimizer.set_min_objective(cost)
     tight = 0.1 * options.tolerance
-    optimizer.add_equality_mconstraint(equalities, np.full(len(kept), tight))
-    optimizer.add_inequality_mconstraint(inequalities, np.full(problem.inequality_count + 2 * len(rest), tight))
+    optimizer.add_equality_mconstraint(equalities, np.full(len(basis), tight))
+    optimizer.add_inequality_mconstraint(inequalities, np.full(problem.inequality_count, tight))
     try:
-        optimizer.optimize(x)
+        optimizer.optimize(np.clip(x / unit, box[0] / unit, box[1] / unit))
     except nlopt.RoundoffLimited:
         return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
     except (nlopt.runtime_error, RuntimeError, ValueError, np.linalg.LinAlgError) as error:

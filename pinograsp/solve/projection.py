@@ -1,30 +1,32 @@
-"""Projection of a start on the contact conditions.
+"""Projection of a start on the constraints, as near to the desired contacts as these allow.
 
-Levenberg-Marquardt steps, kept within bounds, in two stages: first on contact gap, direction of the pads and
-distance from the desired points with collisions ignored, which turns a posture somewhere near the object into
-one that holds it; then with the violated clearances as further residuals, which moves the arm through its null
-space out of walls and object. From there the full problem is short.
+Levenberg-Marquardt descents, kept within bounds, one after the other. The first looks at the contacts alone (gap,
+direction of the pads, distance from the desired points) and ignores collisions, which turns a posture somewhere near
+the object into one that holds it. The following ones add the violated clearances, which moves the arm through its null
+space out of walls and object, and want the desired points less and less, so that where these cannot be reached the
+contacts give way and not the walls. The last asks for the constraints alone. From there the full problem is short.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel
-from ..problem.terms import Residual
 
 Projection = Literal["nothing", "contacts", "contacts and clearance"]
 MAX_STEPS = 30
 DONE = 1e-5
-"""Norm of the scaled residual below which the contacts are made: 0.1 micrometre."""
-INITIAL_DAMPING = 10.0
-POSTURE_STEP, PARAMETER_STEP = 0.5, 0.01
-"""Units of damping: rad for posture variables, m for contact parameters."""
+"""Norm of the scaled residual below which a descent is done: 0.1 micrometre."""
+STALLED = 0.05
+"""A descent ends after two steps that each lessen the squared residual by less than this part."""
+INITIAL_DAMPING = 40.0
+YIELDING = ((1.0, 0.3), (0.3, 1.0), (0.1, 1.0))
+"""Weights of desired points and of clearances in the descents between the first and the last."""
 
 
 def nearest_assignment(model: TaskModel, start: State) -> tuple[int, ...]:
@@ -34,40 +36,45 @@ def nearest_assignment(model: TaskModel, start: State) -> tuple[int, ...]:
     return min(itertools.permutations(range(square.shape[1])), key=lambda p: float(square[pads, p].sum()))
 
 
-def project(problem: GraspProblem, x: Array, onto: Projection) -> Array:
-    """Return the point that the stages lead to from x, within bounds, shape (v,)."""
-    if onto != "nothing":
-        x = _descend(problem, problem.contact_residual, x)
-    if onto == "contacts and clearance":
-        x = _descend(problem, problem.contact_and_clearance_residual, x)
-    return x
-
-
 def beginnings(problem: GraspProblem, x: Array, onto: Projection) -> Iterator[Array]:
     """Yield the points to solve from; each further one is for where a solve from the one before failed.
 
     The second way takes the clearances in from the start: it leads elsewhere where the contacts alone have drawn the
     arm deep into a wall.
     """
-    yield project(problem, x, onto)
-    if onto == "contacts and clearance":
-        yield _descend(problem, problem.contact_and_clearance_residual, x)
+    if onto == "nothing":
+        yield x
+        return
+    held = _descend(problem, 1.0, 0.0, x, STALLED)
+    if onto == "contacts":
+        yield held
+        return
+    yield _yield_to_clearances(problem, held)
+    yield _yield_to_clearances(problem, x)
 
 
-def _descend(problem: GraspProblem, residual_at: Callable[[Array], Residual], x: Array) -> Array:
-    unit = np.full(len(x), PARAMETER_STEP)
-    unit[: problem.model.robot.posture_size] = POSTURE_STEP
+def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
+    for wishes, clearances in YIELDING:
+        x = _descend(problem, wishes, clearances, x, STALLED)
+    return _descend(problem, 0.0, 1.0, x, 0.0)
+
+
+def _descend(problem: GraspProblem, wishes: float, clearances: float, x: Array, stalled: float) -> Array:
+    """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,)."""
+    unit = problem.model.robot.step_units
     damping = INITIAL_DAMPING
-    residual = residual_at(x)
+    residual = problem.projection_residual(x, wishes, clearances)
     square = float(residual.values @ residual.values)
+    slow = 0
     for _ in range(MAX_STEPS):
-        if square < DONE**2:
+        if square < DONE**2 or slow == 2:
             break
         step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(problem, x))
         trial_x = np.clip(x + unit * step, problem.lower, problem.upper)
-        trial = residual_at(trial_x)
+        trial = problem.projection_residual(trial_x, wishes, clearances)
         trial_square = float(trial.values @ trial.values)
         if trial_square < square:
+            slow = slow + 1 if trial_square > (1.0 - stalled) * square else 0
             x, residual, square = trial_x, trial, trial_square
             damping *= 0.2
         else:
