@@ -17,10 +17,11 @@ import numpy as np
 from .arrays import Array
 from .database import BuildProgress, Database, Identity, cached_database
 from .descriptions import SceneDescription
+from .descriptions.scene import Margins
 from .errors import InputError
 from .models import RobotModel
 from .pool import work
-from .problem import TaskModel, check_task
+from .problem import UNITS, TaskModel, check_task
 from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
 from .solve import LocalSolver, Solution, SolverOptions, starts_near
 from .solve.local import Outcome
@@ -94,13 +95,13 @@ def plan(
     options = options or SolverOptions()
     workers = workers or os.cpu_count() or 1
     model = TaskModel(robot, scene, task)
-    check_task(model)
+    warnings = check_task(model)
     attempts: list[Attempt] = []
     interrupted = False
     times = {"prepare": time.perf_counter() - began}
     run: dict[str, object] = {"seed": seed, "workers": workers, "options": options.to_json()}
     try:
-        with _database(database, model, workers, build_progress) as opened:
+        with _database(database, robot, scene, model.task.margin, workers, build_progress) as opened:
             times["database"] = time.perf_counter() - began - times["prepare"]
             postures = starts_near(opened, model, starts, seed)
             run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
@@ -113,18 +114,19 @@ def plan(
     except KeyboardInterrupt:
         interrupted = True
     times["total"] = time.perf_counter() - began
-    return _result(robot, scene, task, starts, attempts, interrupted, times, run)
+    return _result(robot, scene, task, starts, attempts, interrupted, times, run, warnings)
 
 
 @contextmanager
 def _database(
     given: Database | Path | str | None,
-    model: TaskModel,
+    robot: RobotModel,
+    scene: SceneDescription,
+    margins: Margins,
     workers: int,
     progress: Callable[[BuildProgress], None] | None,
 ) -> Iterator[Database]:
     """Give the database to take starts from, for certain the right one; what is opened here is closed again."""
-    robot, scene, margins = model.robot, model.scene, model.task.margin
     if given is None:
         with cached_database(robot, scene, margins, workers=workers, progress=progress) as cached:
             yield cached
@@ -182,6 +184,7 @@ def _result(
     interrupted: bool,
     times: dict[str, float],
     run: dict[str, object],
+    warnings: list[str],
 ) -> Result:
     outcomes = Counter(attempt.solution.outcome for attempt in attempts)
     seconds = [attempt.solution.seconds for attempt in attempts]
@@ -201,6 +204,7 @@ def _result(
         refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified),
         blocked=_blocked(attempts),
         interrupted=interrupted,
+        warnings=tuple(warnings),
         times=times,
         provenance=provenance(robot.description, scene) | run,
     )
@@ -229,4 +233,4 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     if not attempt.solution.violations:
         return "solver failure", 0.0, "", attempt.solution.message
     kind, violation, where = attempt.solution.worst
-    return kind, violation, "" if kind == "forces" else "mm", where
+    return kind, violation, UNITS.get(kind, "mm"), where

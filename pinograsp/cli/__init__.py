@@ -112,6 +112,8 @@ def list_command() -> None:
 
 
 def _report(result: Result, console: Console) -> None:
+    for warning in result.warnings:
+        _say(console, f"[yellow]warning:[/] {escape(warning)}")
     if result.grasps:
         console.print(grasp_table(result))
     else:

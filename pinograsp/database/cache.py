@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from pathlib import Path
 
+from ..cache_folder import cache_folder
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..models import RobotModel
@@ -16,14 +15,6 @@ from .store import Database
 SIZE = 100_000
 """Configurations in a cached database."""
 SEED = 0
-
-
-def cache_folder() -> Path:
-    """Return the folder of cached databases: PINOGRASP_CACHE, or pinograsp below XDG_CACHE_HOME or ~/.cache."""
-    if own := os.environ.get("PINOGRASP_CACHE"):
-        return Path(own)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "pinograsp"
 
 
 def cached_database(

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..descriptions import SceneDescription
+import numpy as np
+
+from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions.robot import UrdfPart
 from ..descriptions.scene import Margins
 from ..models import RobotModel, hand_opening
 
 MEANING = {
-    "robot": "URDF, SRDF, meshes, arm joints with limits, hand posture and wrist link",
+    "robot": "URDF, SRDF, meshes and their convex pieces, arm joints with limits, hand posture and wrist link",
     "enclosure": "walls, mounting pose and fixed obstacles",
     "margins": "least distances that the configurations keep",
 }
@@ -36,13 +39,14 @@ class Identity:
         meshes = sorted({_digest(Path(mesh)) for mesh in robot.urdf.meshes})
         return cls(
             robot={
-                "urdf": _digest(description.urdf_file),
-                "srdf": _digest(description.srdf_file) if description.srdf_file else None,
+                "files": {key: _digest(file) for key, file in description.files.items()},
+                "composition": _composition(description),
                 "meshes": hashlib.sha256("".join(meshes).encode()).hexdigest(),
+                "collision": description.collision.model_dump(mode="json"),
                 "joints": list(description.arm.joints),
                 "lower": robot.lower[:size].tolist(),
                 "upper": robot.upper[:size].tolist(),
-                "hand": hand_opening(robot).tolist(),
+                "hand": _open_hand(robot),
                 "wrist": description.arm.wrist,
             },
             enclosure={
@@ -83,6 +87,21 @@ class Identity:
                 hashes = f"{self.hash_of(part)} in the database, {other.hash_of(part)} wanted"
                 found.append(f"another {part} ({hashes}; the hash of {meaning}; different: {keys})")
         return found
+
+
+def _open_hand(robot: RobotModel) -> dict[str, float]:
+    """Return the angles of the hand's joints, rad (m), and of others that the robot file holds somewhere."""
+    q = robot.joint_positions(np.concatenate([np.zeros(robot.arm_size), hand_opening(robot)]))
+    angles = dict(zip(robot.joint_names, q.tolist(), strict=True))
+    hand = {robot.joint_names[joint] for joint in robot.hand_joints} | robot.description.hand.rest.keys()
+    return {name: angles[name] for name in sorted(hand)}
+
+
+def _composition(description: RobotDescription) -> list[dict[str, Any]]:
+    """Return how the URDF is put together, without the addresses of the files."""
+    parts: list[UrdfPart] = [description, *description.attach]
+    fields = {"root", "leave_out", "to", "prefix", "position", "rpy"}
+    return [part.model_dump(mode="json", include=fields) for part in parts]
 
 
 def _digest(file: Path) -> str:

@@ -1,7 +1,8 @@
 """Regions of a database, and starts that spread over them.
 
-A region is a ball or a box around a point, optionally with a cone of approach directions. The comparisons of x, y, z
-let DuckDB skip every row group outside: rows lie in the order of a space-filling curve of the wrist position.
+A region is a ball or a box around a point, optionally with a cone of approach directions and intervals of joints. The
+comparisons of x, y, z let DuckDB skip every row group outside: rows lie in the order of a space-filling curve of the
+wrist position.
 
 A spread selection divides the region into classes (cell of the wrist position, approach direction by its largest
 component, signs of the sines of the first four joints) and takes one row of each class in turn, instead of the
@@ -11,6 +12,7 @@ neighbours that a plain LIMIT would give.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +28,9 @@ _CELLS = 6
 _ROUND = "xor({0}, {0} >> 15) * 1540483477 % 4294967296"
 _HASH = _ROUND.format("(" + _ROUND.format("(sample + $seed * 1000003)") + ")")
 """A scattered number of each sample and seed, from 0 to 2^32 - 1 (products stay below 2^63)."""
+
+Intervals = Mapping[str, Sequence[tuple[float, float]]]
+"""Arm joints by name, with intervals, rad (m), of which one must hold the angle."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,13 @@ class Configurations:
 
 
 def region(
-    database: Database, center: Array, extent: float | Array, *, cone: Cone | None = None, limit: int | None = None
+    database: Database,
+    center: Array,
+    extent: float | Array,
+    *,
+    cone: Cone | None = None,
+    joints: Intervals | None = None,
+    limit: int | None = None,
 ) -> Configurations:
     """Return configurations whose wrist is near a point, in the order of the file.
 
@@ -66,15 +77,23 @@ def region(
         center: m, world, shape (3,).
         extent: radius of a ball, m, or half edges of a box, m, shape (3,).
         cone: approach directions wanted.
+        joints: intervals of arm joints wanted.
         limit: at most so many rows.
     """
-    where, values = _condition(center, extent, cone)
+    where, values = _condition(database, center, extent, cone, joints or {})
     most = "" if limit is None else f" LIMIT {int(limit)}"
     return _fetch(database, f"SELECT {_listed(database)} FROM configurations WHERE {where}{most}", values)
 
 
 def spread_selection(
-    database: Database, center: Array, extent: float | Array, count: int, *, cone: Cone | None = None, seed: int = 0
+    database: Database,
+    center: Array,
+    extent: float | Array,
+    count: int,
+    *,
+    cone: Cone | None = None,
+    joints: Intervals | None = None,
+    seed: int = 0,
 ) -> Configurations:
     """Return up to `count` configurations of a region, spread over wrist position, approach and posture.
 
@@ -84,9 +103,10 @@ def spread_selection(
         extent: radius of a ball, m, or half edges of a box, m, shape (3,).
         count: number of configurations wanted.
         cone: approach directions wanted.
+        joints: intervals of arm joints wanted.
         seed: of the choice within each class.
     """
-    where, values = _condition(center, extent, cone)
+    where, values = _condition(database, center, extent, cone, joints or {})
     counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {where}", values).fetchall()
     there = int(counted[0][0])
     share = min(1.0, _CANDIDATES * count / there) if there else 1.0
@@ -105,7 +125,9 @@ def spread_selection(
     return _fetch(database, sql, values)
 
 
-def _condition(center: Array, extent: float | Array, cone: Cone | None) -> tuple[str, dict[str, Any]]:
+def _condition(
+    database: Database, center: Array, extent: float | Array, cone: Cone | None, joints: Intervals
+) -> tuple[str, dict[str, Any]]:
     """Return a WHERE clause with its parameters."""
     half = np.broadcast_to(np.asarray(extent, dtype=float), 3)
     values: dict[str, Any] = {}
@@ -124,6 +146,13 @@ def _condition(center: Array, extent: float | Array, cone: Cone | None) -> tuple
         axis = np.asarray(cone.axis, dtype=float) / np.linalg.norm(cone.axis)
         values |= {"cone_x": axis[0], "cone_y": axis[1], "cone_z": axis[2], "cosine": math.cos(cone.half_angle)}
         parts.append("ax * $cone_x + ay * $cone_y + az * $cone_z >= $cosine")
+    for name, intervals in joints.items():
+        column = f"q{database.joints().index(name) + 1}"
+        choices = []
+        for number, (low, high) in enumerate(intervals):
+            values |= {f"{column}_low{number}": low, f"{column}_high{number}": high}
+            choices.append(f"{column} BETWEEN ${column}_low{number} AND ${column}_high{number}")
+        parts.append(f"({' OR '.join(choices) or 'false'})")
     return " AND ".join(parts), values
 
 

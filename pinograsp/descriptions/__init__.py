@@ -5,6 +5,7 @@
 """
 
 from .locate import shipped_robots, shipped_scenes
+from .pads import robot_for
 from .robot import RobotDescription, load_robot_description
 from .scene import SceneDescription, TaskDescription, load_scene
 from .schema import schema
@@ -15,6 +16,7 @@ __all__ = [
     "TaskDescription",
     "load_robot_description",
     "load_scene",
+    "robot_for",
     "schema",
     "shipped_robots",
     "shipped_scenes",

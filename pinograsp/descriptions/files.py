@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
 
+import numpy as np
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ..errors import InputError, close_names
@@ -31,6 +32,25 @@ KeyPath = tuple[str | int, ...]
 def wrong(problem: str, *path: str | int, remedy: str | None = None) -> PydanticCustomError:
     """Return what a validator raises: the problem is with the key at `path` below the part that it validates."""
     return PydanticCustomError("wrong", "{problem}", {"problem": problem, "path": path, "remedy": remedy})
+
+
+def ordered(interval: Interval, *path: str | int) -> Interval:
+    """Return the interval, or raise what a validator raises if its lower end is not below the upper one."""
+    if interval[0] >= interval[1]:
+        raise wrong(f"the lower end {interval[0]:g} is not below the upper end {interval[1]:g}", *path)
+    return interval
+
+
+def unit(vector: Vector3) -> Vector3:
+    """Return the vector, or raise what a validator raises if its length is not 1."""
+    length = float(np.linalg.norm(vector))
+    if abs(length - 1.0) > 1e-6:
+        raise wrong(f"must have length 1, not {length:.4g}")
+    return vector
+
+
+UnitVector3 = Annotated[Vector3, AfterValidator(unit)]
+OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
 
 
 class Frozen(BaseModel):
@@ -213,6 +233,8 @@ def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
             block = block["items"]
         else:
             block = block.get("properties", {}).get(part) or block["additionalProperties"]
+        if "anyOf" in block:  # a block that may be left out
+            block = next(kind for kind in block["anyOf"] if kind.get("type") != "null")
         if "$ref" in block:
             block = schema["$defs"][block["$ref"].rsplit("/", 1)[-1]]
     return sorted(set(block["properties"]) - {"source", "digest"})

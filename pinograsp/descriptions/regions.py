@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field
 
-from .files import Frozen, Interval, Number, Vector3, wrong
+from .files import Frozen, Number, OrderedInterval, UnitVector3, Vector3
 
 Positive = Annotated[Number, Field(gt=0.0)]
 
@@ -21,32 +20,17 @@ class HalfSpace(Frozen):
     """Points p with normal . p >= offset."""
 
     type: Literal["half_space"]
-    normal: Vector3
+    normal: UnitVector3
     offset: Number
     """m"""
-
-    @field_validator("normal")
-    @classmethod
-    def _unit(cls, value: Vector3) -> Vector3:
-        length = float(np.linalg.norm(value))
-        if abs(length - 1.0) > 1e-6:
-            raise wrong(f"must have length 1, not {length:.4g}")
-        return value
 
 
 class Band(Frozen):
     """Points between two heights z: a ring of a cylinder's side, a zone of a sphere."""
 
     type: Literal["band"]
-    z: Interval
+    z: OrderedInterval
     """m"""
-
-    @field_validator("z")
-    @classmethod
-    def _ordered(cls, value: Interval) -> Interval:
-        if value[0] >= value[1]:
-            raise wrong(f"the lower end {value[0]} is not below the upper end {value[1]}")
-        return value
 
 
 class Sector(Frozen):

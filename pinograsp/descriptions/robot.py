@@ -11,23 +11,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
-import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ..errors import InputError, close_names
 from . import locate
-from .files import FileRoot, Format1, Frozen, Interval, Number, Vector3, read_file, wrong
+from .files import FileRoot, Format1, Frozen, Interval, Number, ordered, read_file, wrong
+from .patches import Patch
+from .pose import Pose
 
 Positive = Annotated[Number, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1)]
-
-
-def _ordered(interval: Interval, *path: str | int) -> Interval:
-    if interval[0] >= interval[1]:
-        raise wrong(f"the lower end {interval[0]:g} is not below the upper end {interval[1]:g}", *path)
-    return interval
 
 
 def _once(names: Sequence[str], *path: str) -> None:
@@ -57,68 +52,78 @@ class ArmDescription(Frozen):
             if name not in self.joints:
                 remedy = close_names(name, list(self.joints))
                 raise wrong(f"{name!r} is not among the arm's joints", "limits", name, remedy=remedy)
-            _ordered(interval, "limits", name)
+            ordered(interval, "limits", name)
         return self
 
 
 class SynergyDescription(Frozen):
-    """One input of the hand: a URDF joint, followed by the joints that mimic it."""
+    """One input of the hand, a column of the synergy matrix S (3): a joint, or several joints that move together.
 
-    joint: Name
+    Joints that mimic these follow.
+    """
+
+    joint: Name | None = None
+    """URDF joint: the synergy is its angle, rad (m)."""
+    name: Name | None = None
+    """Of a synergy of several joints."""
+    joints: dict[Name, Number] = Field(default_factory=dict)
+    """Angle of each joint, rad (m), per unit of the synergy; it adds to the others' and to `HandDescription.rest`."""
     limits: Interval | None = None
-    """Limits in rad (m); those of the URDF if not given."""
+    """Limits in rad (m), or in units of the synergy; what the URDF allows its joints if not given."""
 
     @field_validator("limits")
     @classmethod
     def _limits_ordered(cls, value: Interval | None) -> Interval | None:
-        return None if value is None else _ordered(value)
+        return None if value is None else ordered(value)
+
+    @model_validator(mode="after")
+    def _one_or_several(self) -> SynergyDescription:
+        if (self.joint is None) == (not self.joints) or (self.joint is None) == (self.name is None):
+            remedy = "Write `joint: finger`, or `name: close` with `joints: {finger: 1.0, thumb: 0.5}`"
+            raise wrong("a synergy is one joint, or has a name and joints", remedy=remedy)
+        for name, factor in self.joints.items():
+            if factor == 0.0:
+                raise wrong("0 moves nothing", "joints", name, remedy="Leave it out")
+        return self
+
+    @property
+    def label(self) -> str:
+        """The name of the synergy: that of its joint, if it is one."""
+        return self.joint or self.name or ""
+
+    @property
+    def column(self) -> dict[str, float]:
+        """Angle of its joints per unit of the synergy."""
+        return dict(self.joints) if self.joint is None else {self.joint: 1.0}
 
 
 class HandDescription(Frozen):
-    """The hand's synergies: column k of the synergy matrix S (3) is synergy k."""
+    """The hand's synergies: angles of its joints = rest + S sigma, where column k of S (3) is synergy k."""
 
     synergies: Annotated[tuple[SynergyDescription, ...], Field(min_length=1)]
-
-    @field_validator("synergies")
-    @classmethod
-    def _joints_once(cls, value: tuple[SynergyDescription, ...]) -> tuple[SynergyDescription, ...]:
-        _once([synergy.joint for synergy in value], "joint")
-        return value
-
-
-class PlanePatch(Frozen):
-    """A rectangle on a link: contact point origin + u x + v y, outward normal z = x cross y; link frame."""
-
-    type: Literal["plane"]
-    origin: Vector3
-    normal: Vector3
-    """Outward: away from the finger, towards the object."""
-    x_axis: Vector3
-    u: Interval
-    """Range of the first contact parameter along x_axis, m."""
-    v: Interval
-    """Range of the second contact parameter along normal cross x_axis, m."""
-
-    @field_validator("u", "v")
-    @classmethod
-    def _ordered(cls, value: Interval) -> Interval:
-        return _ordered(value)
+    rest: dict[Name, Number] = Field(default_factory=dict)
+    """Angles, rad (m), with all synergies at 0; 0 if not given. A joint of no synergy stays there."""
 
     @model_validator(mode="after")
-    def _frame(self) -> PlanePatch:
-        for name in ("normal", "x_axis"):
-            length = float(np.linalg.norm(getattr(self, name)))
-            if abs(length - 1.0) > 1e-6:
-                raise wrong(f"must have length 1 (it has {length:.7g})", name)
-        if abs(np.dot(self.normal, self.x_axis)) > 1e-6:
-            raise wrong("must be perpendicular to normal", "x_axis")
+    def _joints_once(self) -> HandDescription:
+        labels = [synergy.label for synergy in self.synergies]
+        single = {synergy.joint for synergy in self.synergies}
+        for index, synergy in enumerate(self.synergies):
+            if synergy.label in labels[:index]:
+                key = "name" if synergy.joint is None else "joint"
+                raise wrong(f"{synergy.label!r} is given twice", "synergies", index, key)
+            for name in synergy.joints:
+                if name in single:
+                    raise wrong(f"{name!r} is a synergy of its own", "synergies", index, "joints", name)
+        for name in self.rest:
+            if name in single:
+                raise wrong(f"{name!r} is a synergy of its own: it has no rest", "rest", name)
         return self
 
-    @cached_property
-    def rotation(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-        """Rotation (3, 3) of the patch frame in the link frame; columns x, y, normal."""
-        normal, x_axis = np.array(self.normal), np.array(self.x_axis)
-        return np.column_stack([x_axis, np.cross(normal, x_axis), normal])
+    @property
+    def joints(self) -> frozenset[str]:
+        """The joints that synergies move, without those that mimic them."""
+        return frozenset(name for synergy in self.synergies for name in synergy.column)
 
 
 class HardFinger(Frozen):
@@ -142,7 +147,7 @@ class PadDescription(Frozen):
 
     name: Name
     link: Name
-    patch: PlanePatch
+    patch: Patch
     contact: Annotated[HardFinger | SoftFinger, Field(discriminator="model")]
 
 
@@ -150,31 +155,70 @@ class StiffnessDescription(Frozen):
     """Compliance of the hand, section 3.1 of the paper."""
 
     joint: Positive
-    """k_ss, N m / rad, of every hand joint."""
+    """k_ss, N m / rad (N / m if it slides), of every hand joint."""
     contact: Positive
     """k_stru, N / m, of every contact force component."""
 
 
-class RobotDescription(FileRoot):
-    """A robot file."""
+PieceCount = Annotated[int, Field(ge=1, le=64, strict=True)]
 
-    format: Format1
-    name: Name
-    description: str = ""
+
+class LinkCollisionDescription(Frozen):
+    """How closely the collision meshes of one link are followed; what is not given is as for all links."""
+
+    pieces: PieceCount | None = None
+    tolerance: Positive | None = None
+
+
+class CollisionDescription(Frozen):
+    """How closely the convex pieces that stand for a collision mesh follow it; together they contain it."""
+
+    pieces: PieceCount = 8
+    """Largest number of pieces of a mesh; 1: its convex hull."""
+    tolerance: Positive = 0.004
+    """A piece is not divided any more if 95 % of its outer surface are this near to the mesh, m."""
+    links: dict[Name, LinkCollisionDescription] = Field(default_factory=dict)
+
+    def of(self, link: str) -> tuple[int, float]:
+        """Return number of pieces and tolerance, m, for the meshes of a link."""
+        own = self.links.get(link, LinkCollisionDescription())
+        return own.pieces or self.pieces, own.tolerance or self.tolerance
+
+
+class UrdfPart(Frozen):
+    """What is taken of one URDF: all, or what `root` carries, less what the links under `leave_out` carry."""
+
     urdf: Name
     srdf: str | None = None
+    root: Name | None = None
+    """Link with which it begins; the URDF's own root if not given."""
+    leave_out: tuple[Name, ...] = ()
+    """Links that are left out, with all that they carry."""
+
+
+class Attachment(UrdfPart, Pose):
+    """A further URDF, fixed to a link: a hand on an arm, an arm on a rail. The pose is that of its root in the link."""
+
+    to: Name
+    """Link of what is there so far."""
+    prefix: str = ""
+    """Put before every name of links and joints of this URDF."""
+
+
+class UrdfFiles(NamedTuple):
+    """Files on disk."""
+
+    urdf: Path
+    srdf: Path | None
+
+
+class Composition(FileRoot, UrdfPart):
+    """What a robot file says of URDFs: one, or several put together, and where they are."""
+
+    format: Format1
+    attach: tuple[Attachment, ...] = ()
     packages: tuple[Path, ...] = ()
     """Folders, besides those of the installed wheels, in which `package://` is looked up."""
-    arm: ArmDescription
-    hand: HandDescription
-    pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
-    stiffness: StiffnessDescription
-
-    @field_validator("pads")
-    @classmethod
-    def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
-        _once([pad.name for pad in value], "name")
-        return value
 
     @cached_property
     def folders(self) -> list[Path]:
@@ -191,6 +235,25 @@ class RobotDescription(FileRoot):
         """The SRDF on disk, if the file names one."""
         return None if self.srdf is None else self._resolve("srdf", self.srdf)
 
+    @cached_property
+    def attached_files(self) -> tuple[UrdfFiles, ...]:
+        """The files of what is attached."""
+        return tuple(
+            UrdfFiles(
+                self._resolve(f"attach[{i}].urdf", part.urdf),
+                None if part.srdf is None else self._resolve(f"attach[{i}].srdf", part.srdf),
+            )
+            for i, part in enumerate(self.attach)
+        )
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """All files that the robot file names, by key."""
+        parts = [("", UrdfFiles(self.urdf_file, self.srdf_file))]
+        parts += [(f"attach[{i}].", files) for i, files in enumerate(self.attached_files)]
+        named = {f"{key}{role}": file for key, files in parts for role, file in files._asdict().items()}
+        return {key: file for key, file in named.items() if file is not None}
+
     def _resolve(self, key: str, address: str) -> Path:
         found = locate.resolve(address, beside=self.source, folders=self.folders)
         if found is None:
@@ -203,6 +266,24 @@ class RobotDescription(FileRoot):
         return found
 
 
+class RobotDescription(Composition):
+    """A robot file."""
+
+    name: Name
+    description: str = ""
+    arm: ArmDescription
+    hand: HandDescription
+    pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
+    stiffness: StiffnessDescription
+    collision: CollisionDescription = CollisionDescription()
+
+    @field_validator("pads")
+    @classmethod
+    def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
+        _once([pad.name for pad in value], "name")
+        return value
+
+
 def load_robot_description(name: str | Path) -> RobotDescription:
     """Read a robot file, given by path, by folder or by the name of a shipped robot.
 
@@ -210,5 +291,5 @@ def load_robot_description(name: str | Path) -> RobotDescription:
         InputError: the file, its URDF or its SRDF is missing, or a key or value is wrong.
     """
     description = read_file(locate.robot_file(name), RobotDescription)
-    _ = description.urdf_file, description.srdf_file
+    _ = description.files
     return description

@@ -8,15 +8,16 @@ from __future__ import annotations
 import math
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from ..errors import InputError, close_names
 from . import locate
-from .files import FileRoot, Format1, Frozen, Number, Vector3, read_file, wrong
+from .files import FileRoot, Format1, Frozen, Number, OrderedInterval, UnitVector3, Vector3, read_file, wrong
+from .pose import ZERO, Pose
 from .regions import AllOf, Outside, Region
 from .shapes import Shape
 
@@ -32,30 +33,6 @@ def _without_slash(name: str) -> str:
 FileName = Annotated[Name, AfterValidator(_without_slash)]
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
-ZERO: Vector3 = (0.0, 0.0, 0.0)
-
-
-class Pose(Frozen):
-    """A frame in the world: position and roll, pitch, yaw about the fixed axes x, y, z (as in URDF)."""
-
-    position: Vector3 = ZERO
-    rpy: Vector3 = ZERO
-
-    @cached_property
-    def matrix(self) -> NDArray[np.float64]:
-        """Homogeneous transform T_world_frame, shape (4, 4)."""
-        (cr, cp, cy), (sr, sp, sy) = (
-            [math.cos(a) for a in self.rpy],
-            [math.sin(a) for a in self.rpy],
-        )
-        T = np.eye(4)
-        T[:3, :3] = [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-        T[:3, 3] = self.position
-        return T
 
 
 class Enclosure(Frozen):
@@ -142,12 +119,25 @@ class Margins(Frozen):
     """Robot to itself."""
 
 
+class ApproachDescription(Frozen):
+    """A cone of approach directions: the wrist's z axis lies within `angle` of `direction`."""
+
+    direction: UnitVector3
+    """Where the hand points, length 1: [0, 0, -1] is from above."""
+    angle: Annotated[Number, Field(gt=0.0, le=math.pi)]
+    """Half-angle of the cone, rad."""
+    frame: Literal["world", "object"] = "world"
+    """Frame of `direction`."""
+
+
 class TaskDescription(Frozen):
     """What to hold, where, against which wrench."""
 
     object: Name
     desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2)]
-    """Desired contact points on the object's surface, in the object's frame."""
+    """Desired contact points on the object's surface, in the object's frame; one for each pad."""
+    pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
+    """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
     wrench: Wrench
     contact: ContactConstants
     force_weight: NotNegative = 1.0
@@ -157,10 +147,25 @@ class TaskDescription(Frozen):
     """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
     forbidden_contacts: Region | None = None
     """Part of the object's surface where contact is forbidden, object's frame."""
+    approach: ApproachDescription | None = None
+    """Approach directions that are wanted; every direction if not given."""
+    joint_ranges: dict[Name, OrderedInterval] = Field(default_factory=dict)
+    """Ranges of arm joints and synergies within the robot's limits, rad (m).
+
+    Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
+    """
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
     start_radius: Positive = 0.3
     """Starts have their wrist within this distance of the object's centre of mass, m."""
+
+    @field_validator("pads")
+    @classmethod
+    def _pads_once(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        for index, name in enumerate(value or ()):
+            if name in (value or ())[:index]:
+                raise wrong(f"{name!r} is given twice", index)
+        return value
 
     @cached_property
     def contact_region(self) -> Region | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 
 XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}")
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 ONE_TREE = "The links of a URDF form one tree"
 
 
@@ -58,7 +59,11 @@ def _check_connections(root: ET.Element, links: list[str], file: Path) -> None:
         if ends[1] in parents:
             raise InputError(f"link {ends[1]!r} is the child of another joint too", file=file, key=key)
         parents[ends[1]] = ends[0]
-        if joint.get("type") in {"revolute", "prismatic"} and joint.find("limit") is None:
+        kind = joint.get("type")
+        if kind not in JOINT_TYPES:
+            remedy = f"Use {', '.join(JOINT_TYPES[:-1])} or {JOINT_TYPES[-1]}"
+            raise InputError(f"joint type {kind!r} is not supported", file=file, key=key, remedy=remedy)
+        if kind in {"revolute", "prismatic"} and joint.find("limit") is None:
             raise InputError("has no <limit>", file=file, key=key, remedy="Add <limit lower=... upper=...>")
     roots = [name for name in links if name not in parents]
     if len(roots) > 1:

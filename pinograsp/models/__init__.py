@@ -10,9 +10,11 @@ from .batch_clearance import BatchClearance
 from .collision import CollisionModel, Distances
 from .hand_posture import hand_opening, preshape, widest_jaw
 from .kinematics import Configuration, ContactKinematics, contact_kinematics, forward, jacobian_derivatives
+from .reach import arm_reach
 from .regions import membership
 from .robot import RobotModel
 from .shapes import Surface, surface_of
+from .wrist import approach_direction
 
 __all__ = [
     "BatchClearance",
@@ -24,6 +26,8 @@ __all__ = [
     "GroupFrames",
     "RobotModel",
     "Surface",
+    "approach_direction",
+    "arm_reach",
     "contact_kinematics",
     "forward",
     "hand_opening",

@@ -20,7 +20,7 @@ def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, ContactKinemati
     data = robot.model.createData()
     middle = 0.5 * (robot.lower + robot.upper)
     limits = zip(robot.lower[robot.arm_size :], robot.upper[robot.arm_size :], strict=True)
-    centers = np.array([[sum(pad.patch.u), sum(pad.patch.v)] for pad in robot.description.pads]) / 2.0
+    centers = robot.parameter_limits.mean(axis=1)
     for sigma in itertools.product(*(np.linspace(low, high, GRID) for low, high in limits)):
         posture = middle.copy()
         posture[robot.arm_size :] = sigma

@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array, skew
+from .patches import patch_point
 from .robot import RobotModel
 
 
@@ -41,16 +42,12 @@ class ContactKinematics:
     """Contact points in the world, m, shape (n, 3)."""
     normals: Array
     """Outward unit normals of the pads there: into the object, shape (n, 3)."""
-    axes: Array
-    """Pad axes x, y in the world, perpendicular to the normal, shape (n, 2, 3)."""
     jacobians: Array
     """Twist (linear at the contact point, angular) per hand joint rate, shape (n, 6, h)."""
     d_points: Array
     """Shape (n, 3, v)."""
     d_normals: Array
     """Shape (n, 3, v)."""
-    d_axes: Array
-    """Shape (n, 2, 3, v)."""
     linear: Array
     """Velocity of the contact points per rate of every joint, shape (n, 3, nv)."""
     angular: Array
@@ -75,55 +72,43 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
 
     Args:
         configuration: computed kinematics.
-        parameters: q_c, contact parameters (u, v) pad by pad, m, shape (n, 2).
+        parameters: q_c, contact parameters pad by pad, m or rad, shape (c,).
     """
     robot = configuration.robot
     joints = np.array([pad.joint for pad in robot.pads])
-    frames = np.matmul(configuration.rotations[joints], np.array([pad.rotation for pad in robot.pads]))
-    local = np.array([pad.translation for pad in robot.pads])
-    origins = (
-        np.matmul(configuration.rotations[joints], local[:, :, None])[:, :, 0] + configuration.translations[joints]
-    )
-    axes = frames[:, :, :2].transpose(0, 2, 1)
-    normals = frames[:, :, 2]
-    points = origins + np.matmul(frames[:, :, :2], parameters[:, :, None])[:, :, 0]
+    local = [patch_point(pad.patch, parameters[pad.parameters]) for pad in robot.pads]
+    patches = np.matmul(configuration.rotations[joints], np.array([pad.rotation for pad in robot.pads]))
+    origins = np.matmul(configuration.rotations[joints], np.array([pad.translation for pad in robot.pads])[:, :, None])
+    points = (origins + np.matmul(patches, np.array([at.point for at in local])[:, :, None]))[:, :, 0]
+    points += configuration.translations[joints]
+    normals = np.matmul(patches, np.array([at.normal for at in local])[:, :, None])[:, :, 0]
 
     moves = robot.supports[joints][:, None, :]
     angular = configuration.jacobian[3:] * moves
     linear = configuration.jacobian[:3] * moves - np.matmul(skew(points), angular)
-    hand = robot.hand_joints
+    hand, size, total = robot.hand_joints, robot.posture_size, robot.posture_size + len(parameters)
+    d_points = np.zeros((len(points), 3, total))
+    d_normals = np.zeros((len(points), 3, total))
+    d_points[:, :, :size] = linear @ robot.B
+    d_normals[:, :, :size] = -np.matmul(skew(normals), angular) @ robot.B
+    for i, (pad, at) in enumerate(zip(robot.pads, local, strict=True)):
+        own = slice(size + pad.parameters.start, size + pad.parameters.stop)
+        d_points[i, :, own] = patches[i] @ at.d_point
+        d_normals[i, :, own] = patches[i] @ at.d_normal
     return ContactKinematics(
         points=points,
         normals=normals,
-        axes=axes,
         jacobians=np.concatenate([linear[:, :, hand], angular[:, :, hand]], axis=1),
-        d_points=_with_parameters(linear @ robot.B, axes),
-        d_normals=_with_parameters(_turned(normals, angular) @ robot.B, None),
-        d_axes=np.stack([_with_parameters(_turned(axes[:, i], angular) @ robot.B, None) for i in range(2)], axis=1),
+        d_points=d_points,
+        d_normals=d_normals,
         linear=linear,
         angular=angular,
     )
 
 
-def _turned(vectors: Array, angular: Array) -> Array:
-    """Return omega_k x vector for every pad and joint, shape (n, 3, nv)."""
-    return np.asarray(-np.matmul(skew(vectors), angular))
-
-
-def _with_parameters(by_posture: Array, axes: Array | None) -> Array:
-    """Append the derivatives in q_c, (n, 3, p) -> (n, 3, p + 2 n): a pad's own axes, or zero."""
-    n, _, size = by_posture.shape
-    result = np.zeros((n, 3, size + 2 * n))
-    result[:, :, :size] = by_posture
-    if axes is not None:
-        for i in range(n):
-            result[i, :, size + 2 * i : size + 2 * i + 2] = axes[i].T
-    return result
-
-
 def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Array:
     """Return the derivatives of the hand Jacobians in x = (posture, q_c), shape (n, 6, h, v)."""
-    linear, angular, axes = contacts.linear, contacts.angular, contacts.axes
+    linear, angular = contacts.linear, contacts.angular
     n, _, nv = linear.shape
     hand = robot.hand_joints
     size = robot.posture_size
@@ -131,12 +116,12 @@ def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Arra
     velocity = skew(linear.transpose(0, 2, 1).reshape(-1, 3)).reshape(n, nv, 3, 3)
     hand_linear, hand_angular = linear[:, None, :, hand], angular[:, None, :, hand]
     before = (np.arange(nv)[:, None] <= hand[None, :])[None, :, None, :]
-    result = np.zeros((n, 6, len(hand), size + 2 * n))
+    result = np.zeros((n, 6, len(hand), contacts.d_points.shape[2]))
     change = np.where(before, np.matmul(omega, hand_linear), -np.matmul(velocity, hand_angular))
     turn = np.where(before, np.matmul(omega, hand_angular), 0.0)
     both = np.concatenate([change, turn], axis=2)
     result[:, :, :, :size] = (both.reshape(n, nv, -1).transpose(0, 2, 1) @ robot.B).reshape(n, 6, len(hand), size)
-    for i in range(n):
-        sliding = np.matmul(omega[i, hand], axes[i].T)
-        result[i, :3, :, size + 2 * i : size + 2 * i + 2] = sliding.transpose(1, 0, 2)
+    for i, pad in enumerate(robot.pads):
+        own = slice(size + pad.parameters.start, size + pad.parameters.stop)
+        result[i, :3, :, own] = np.matmul(omega[i, hand], contacts.d_points[i, :, own]).transpose(1, 0, 2)
     return result

@@ -5,8 +5,9 @@ p = (q_a, sigma), shape (l + s,), gives all of them by
 
     q = B p + q_0,        dq/dp = B
 
-where a column of B is a unit vector for an arm joint and a synergy (leader and mimic multipliers) for sigma.
-The rows of the hand joints and the columns of sigma form the paper's synergy matrix S (3).
+where a column of B is a unit vector for an arm joint and a synergy for sigma (its joints and those that mimic them),
+and q_0 holds where the hand rests. The rows of the hand joints and the columns of sigma form the paper's synergy
+matrix S (3).
 """
 
 from __future__ import annotations
@@ -20,9 +21,15 @@ import pinocchio as pin
 
 from ..arrays import Array, Indices
 from ..descriptions import RobotDescription
+from ..descriptions.patches import Patch
 from ..descriptions.robot import PadDescription
+from ..descriptions.urdf import Mimic
 from ..errors import InputError
 from . import urdf
+from .patches import patch_point
+
+TURN, SLIDE, SLIP = 1.0, 0.1, 0.02
+"""Comparable steps of a turning joint, rad, a sliding joint, m, and a contact on its pad, m."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,13 @@ class Pad:
     """Shape (3, 3)."""
     translation: Array
     """m, shape (3,)."""
+    parameters: slice
+    """Where its contact parameters are in q_c."""
+
+    @property
+    def patch(self) -> Patch:
+        """The surface."""
+        return self.description.patch
 
 
 class RobotModel:
@@ -50,13 +64,20 @@ class RobotModel:
         self._check_names()
         self.model: Any = pin.buildModelFromXML(self.urdf.xml)
         self.joint_names: tuple[str, ...] = tuple(self.model.names)[1:]
-        self.B, self.q_0 = self._posture_map()
-        self.lower, self.upper = self._limits()
         self.arm_size = len(description.arm.joints)
+        self.posture_names = (*description.arm.joints, *(synergy.label for synergy in description.hand.synergies))
+        self.B, self.q_0 = self._posture_map()
+        self.joint_limits = self._joint_limits()
+        self._check_rest()
+        self.lower, self.upper = self._limits()
+        self.shared_joints: Indices = np.flatnonzero((self.B != 0.0).sum(axis=1) > 1)
+        """Joints that several synergies move: limits of the posture do not keep these within their own."""
         self.hand_joints: Indices = np.flatnonzero(np.abs(self.B[:, self.arm_size :]).any(axis=1))
         self.supports = self._supports()
-        self.pads = tuple(self._pad(pad) for pad in description.pads)
-        self.wrist_frame: int = self.model.getFrameId(description.arm.wrist)
+        self.parameter_limits: Array = np.array([limits for pad in description.pads for limits in pad.patch.parameters])
+        self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
+        self.step_units = self._step_units()
+        self.wrist_frame: int = self.model.getFrameId(description.arm.wrist, pin.BODY)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
@@ -80,11 +101,16 @@ class RobotModel:
         """Return q of every movable joint in the model's order, rad (m), shape (nv,)."""
         return np.asarray(self.B @ posture + self.q_0)
 
+    def turns_freely(self, joint: str) -> bool:
+        """Whether a joint is a continuous arm joint without limits in the robot file: whole turns do not count."""
+        arm = self.description.arm
+        return joint in arm.joints and self.urdf.movable[joint] == "continuous" and joint not in arm.limits
+
     def wrapped(self, posture: Array) -> Array:
         """Return the posture with continuous arm joints wrapped to (-pi, pi]."""
         result = posture.copy()
         for i, name in enumerate(self.description.arm.joints):
-            if self.urdf.movable[name] == "continuous" and name not in self.description.arm.limits:
+            if self.turns_freely(name):
                 result[i] = _wrap(float(result[i]))
         return result
 
@@ -98,12 +124,23 @@ class RobotModel:
         for i, joint in enumerate(description.arm.joints):
             self._require_leader(joint, known, f"arm.joints[{i}]")
         for i, synergy in enumerate(description.hand.synergies):
-            self._require_leader(synergy.joint, known, f"hand.synergies[{i}].joint")
-            if synergy.joint in description.arm.joints:
-                self._refuse(f"{synergy.joint!r} is already an arm joint", f"hand.synergies[{i}].joint")
+            for joint in synergy.column:
+                key = f"hand.synergies[{i}].joint" + (f"s.{joint}" if synergy.joint is None else "")
+                self._require_hand_joint(joint, known, key)
+            if synergy.joint is None and synergy.label in known:
+                self._refuse("a joint has this name", f"hand.synergies[{i}].name", "Use another one")
+        for joint in description.hand.rest:
+            self._require_hand_joint(joint, known, f"hand.rest.{joint}")
         urdf.require(description.arm.wrist, list(self.urdf.links), "link", "arm.wrist", description)
         for i, pad in enumerate(description.pads):
             urdf.require(pad.link, list(self.urdf.links), "link", f"pads[{i}].link", description)
+        for link in description.collision.links:
+            urdf.require(link, list(self.urdf.links), "link", f"collision.links.{link}", description)
+
+    def _require_hand_joint(self, joint: str, known: list[str], key: str) -> None:
+        self._require_leader(joint, known, key)
+        if joint in self.description.arm.joints:
+            self._refuse(f"{joint!r} is already an arm joint", key)
 
     def _require_leader(self, joint: str, known: list[str], key: str) -> None:
         urdf.require(joint, known, "joint", key, self.description)
@@ -114,33 +151,57 @@ class RobotModel:
     def _refuse(self, problem: str, key: str, remedy: str | None = None) -> None:
         raise InputError(problem, file=self.description.source, key=key, remedy=remedy)
 
+    def _columns(self) -> list[dict[str, float]]:
+        """Return what the robot file says of the columns of B: joints with their factors."""
+        arm, hand = self.description.arm, self.description.hand
+        return [*({joint: 1.0} for joint in arm.joints), *(synergy.column for synergy in hand.synergies)]
+
     def _posture_map(self) -> tuple[Array, Array]:
-        leaders = [*self.description.arm.joints, *(s.joint for s in self.description.hand.synergies)]
-        B = np.zeros((self.model.nv, len(leaders)))
+        hand, columns = self.description.hand, self._columns()
+        B = np.zeros((self.model.nv, len(columns)))
         q_0 = np.zeros(self.model.nv)
         for row, name in enumerate(self.joint_names):
-            mimic = self.urdf.mimics.get(name)
-            leader = mimic.leader if mimic else name
-            if leader in leaders:
-                B[row, leaders.index(leader)] = mimic.multiplier if mimic else 1.0
-                q_0[row] = mimic.offset if mimic else 0.0
+            mimic = self.urdf.mimics.get(name, Mimic(name, 1.0, 0.0))
+            B[row] = [mimic.multiplier * column.get(mimic.leader, 0.0) for column in columns]
+            q_0[row] = mimic.multiplier * hand.rest.get(mimic.leader, 0.0) + mimic.offset
         return B, q_0
 
-    def _limits(self) -> tuple[Array, Array]:
+    def _joint_limits(self) -> tuple[Array, Array]:
+        """Return the limits of every joint of the model, rad (m): those of the URDF, or given in the robot file."""
         given = dict(self.description.arm.limits)
-        given |= {s.joint: s.limits for s in self.description.hand.synergies if s.limits is not None}
-        names = [*self.description.arm.joints, *(s.joint for s in self.description.hand.synergies)]
-        limits: list[tuple[float, float]] = []
-        for name in names:
-            index = self.model.joints[self.model.getJointId(name)].idx_q
-            from_urdf = (self.model.lowerPositionLimit[index], self.model.upperPositionLimit[index])
-            lower, upper = given.get(name, from_urdf)
-            if not (math.isfinite(lower) and math.isfinite(upper) and lower < upper):
-                key = "arm.limits" if name in self.description.arm.joints else "hand.synergies"
-                self._refuse(f"joint {name!r} has no usable limits", key, "Give them in the robot file")
-            limits.append((lower, upper))
-        array: Array = np.array(limits)
-        return array[:, 0], array[:, 1]
+        given |= {s.joint: s.limits for s in self.description.hand.synergies if s.joint and s.limits}
+        order = [self.model.joints[self.model.getJointId(name)].idx_q for name in self.joint_names]
+        lower, upper = self.model.lowerPositionLimit[order], self.model.upperPositionLimit[order]
+        for row, name in enumerate(self.joint_names):
+            lower[row], upper[row] = given.get(name, (lower[row], upper[row]))
+        return lower, upper
+
+    def _check_rest(self) -> None:
+        """Refuse joints that no variable moves and that stay outside their limits."""
+        low, high = self.joint_limits
+        for row in np.flatnonzero(~self.B.any(axis=1)):
+            name, angle = self.joint_names[row], self.q_0[row]
+            if not low[row] - 1e-9 <= angle <= high[row] + 1e-9:
+                problem = f"joint {name!r}, which no synergy moves, stays at {angle:g}, outside "
+                self._refuse(f"{problem}[{low[row]:g}, {high[row]:g}]", "hand.rest", "Give its angle there")
+
+    def _limits(self) -> tuple[Array, Array]:
+        """Return the limits of the posture that keep every joint within its own which one variable alone moves."""
+        low, high = self.joint_limits
+        synergies = self.description.hand.synergies
+        given = [(-math.inf, math.inf)] * self.arm_size
+        given += [(-math.inf, math.inf) if s.joint or not s.limits else s.limits for s in synergies]
+        lower, upper = np.array(given).T.copy()
+        for row in np.flatnonzero((self.B != 0.0).sum(axis=1) == 1):
+            column = int(np.flatnonzero(self.B[row])[0])
+            factor = self.B[row, column]
+            ends = [(end - self.q_0[row]) / factor for end in (low[row], high[row])][:: 1 if factor > 0.0 else -1]
+            lower[column], upper[column] = max(lower[column], ends[0]), min(upper[column], ends[1])
+        for column, name in enumerate(self.posture_names):
+            if not (math.isfinite(lower[column]) and math.isfinite(upper[column]) and lower[column] < upper[column]):
+                key, what = ("arm.limits", "joint") if column < self.arm_size else ("hand.synergies", "synergy")
+                self._refuse(f"{what} {name!r} has no usable limits", key, "Give them in the robot file")
+        return lower, upper
 
     def _supports(self) -> Array:
         """Return which joints move which: row j has 1 at every joint between the root and joint j."""
@@ -150,13 +211,24 @@ class RobotModel:
             supports[joint, self.model.joints[joint].idx_v] = 1.0
         return supports
 
-    def _pad(self, pad: PadDescription) -> Pad:
-        frame = self.model.frames[self.model.getFrameId(pad.link)]
+    def _step_units(self) -> Array:
+        """Return a step of every variable of x = (posture, q_c) that moves a contact alike, shape (v,)."""
+        steps = {name: SLIDE if kind == "prismatic" else TURN for name, kind in self.urdf.movable.items()}
+        posture = [min(steps[name] / abs(factor) for name, factor in column.items()) for column in self._columns()]
+        middle = self.parameter_limits.mean(axis=1)
+        lengths = [np.linalg.norm(patch_point(pad.patch, middle[pad.parameters]).d_point, axis=0) for pad in self.pads]
+        return np.concatenate([posture, SLIP / np.concatenate(lengths)])
+
+    def _pad(self, number: int) -> Pad:
+        pads = self.description.pads
+        pad = pads[number]
+        frame = self.model.frames[self.model.getFrameId(pad.link, pin.BODY)]
         placement = frame.placement * pin.SE3(pad.patch.rotation, np.array(pad.patch.origin))
         if not self.supports[frame.parentJoint, self.hand_joints].any():
-            number = self.description.pads.index(pad)
             self._refuse(f"link {pad.link!r} is not moved by the hand", f"pads[{number}].link")
-        return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy())
+        first = sum(len(other.patch.parameters) for other in pads[:number])
+        parameters = slice(first, first + len(pad.patch.parameters))
+        return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)
 
 
 def _wrap(angle: float) -> float:

@@ -6,8 +6,8 @@
 The active internal forces y belong to x as the minimiser of the nested problem (8).
 """
 
-from .assembly import Evaluation, GraspProblem
+from .assembly import UNITS, Evaluation, GraspProblem
 from .checks import check_task
 from .state import State, TaskModel
 
-__all__ = ["Evaluation", "GraspProblem", "State", "TaskModel", "check_task"]
+__all__ = ["UNITS", "Evaluation", "GraspProblem", "State", "TaskModel", "check_task"]

@@ -6,18 +6,20 @@ import numpy as np
 
 from ..errors import InputError
 from ..models import widest_jaw
+from .regions import check_region
 from .state import TaskModel
 
 TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""
 
 
-def check_task(model: TaskModel) -> None:
-    """Refuse a task that cannot be meant.
+def check_task(model: TaskModel) -> list[str]:
+    """Refuse a task that cannot be meant; return what is odd about it, in words.
 
     Raises:
         InputError: the object reaches beyond a wall, a desired contact is off the surface, the number of
-            desired contacts is not that of the pads, or the jaw does not open wide enough.
+            desired contacts is not that of the pads, the jaw does not open wide enough, or no contact can be made in
+            the contact region.
     """
     _object_inside(model)
     _contacts_on_surface(model)
@@ -30,6 +32,7 @@ def check_task(model: TaskModel) -> None:
             remedy="Give one for each pad",
         )
     _jaw_wide_enough(model)
+    return check_region(model)
 
 
 def _object_inside(model: TaskModel) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import SceneDescription, TaskDescription, robot_for
 from ..descriptions.robot import SoftFinger
 from ..mechanics import (
     ContactDerivatives,
@@ -34,6 +34,7 @@ from ..models import (
     membership,
     surface_of,
 )
+from .preferences import approach_cone, posture_bounds
 
 
 class TaskModel:
@@ -42,7 +43,8 @@ class TaskModel:
     def __init__(self, robot: RobotModel, scene: SceneDescription, task_name: str) -> None:
         self.scene, self.task_name = scene, task_name
         self.task: TaskDescription = scene.task(task_name)
-        self.robot = robot.mounted(scene.mounting.matrix)
+        self.robot = RobotModel(robot_for(robot.description, scene, task_name), scene.mounting.matrix)
+        self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, scene, self.task)
         target = scene.objects[self.task.object]
         self.surface = surface_of(target.shape)
@@ -51,11 +53,12 @@ class TaskModel:
         self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
         region = self.task.contact_region
         self.region = None if region is None else membership(region)
+        self.approach = approach_cone(self.task, self.T_world_object)
         self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
         stiffness = robot.description.stiffness
         hand_size = len(self.robot.hand_joints)
         self.hand = Hand(self.robot.synergies, np.full(hand_size, 1.0 / stiffness.joint))
-        self.contact_models = _contact_models(robot)
+        self.contact_models = _contact_models(self.robot)
         constants = self.task.contact
         self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
 
@@ -88,7 +91,7 @@ class State:
         self._desired = model.desired_points[list(assignment)]
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
-        self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:].reshape(-1, 2))
+        self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:])
 
     @property
     def desired(self) -> Array:

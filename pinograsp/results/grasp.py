@@ -55,7 +55,7 @@ class Grasp:
     synergy: Array
     """Hand synergies sigma, rad (m), shape (s,)."""
     contact_parameters: Array
-    """q_c: contact parameters u, v of each pad in turn, m, shape (m,)."""
+    """q_c: contact parameters of each pad in turn, m or rad, shape (m,)."""
     internal_forces: Array
     """y: active internal forces in the basis E_s, N, shape (e_s,)."""
     q_r: dict[str, float]
@@ -96,6 +96,8 @@ class Result:
     blocked: dict[str, Blocked]
     """What kept the other starts from being reliable, by kind of constraint."""
     interrupted: bool = False
+    warnings: tuple[str, ...] = ()
+    """What is odd about the task."""
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage; `solver_mean` is the mean of one start on one core."""
     provenance: dict[str, Any] = field(default_factory=dict)

@@ -62,6 +62,7 @@ def _result(result: Result) -> dict[str, Any]:
         "scene": result.scene,
         "task": result.task,
         "interrupted": result.interrupted,
+        "warnings": list(result.warnings),
         "starts": result.starts,
         "counts": result.counts,
         "reliable": result.reliable,
@@ -122,6 +123,7 @@ def _read_result(data: dict[str, Any]) -> Result:
         refuted=data["refuted"],
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
+        warnings=tuple(data["warnings"]),
         times=data["times_s"],
         provenance=data["provenance"],
     )

@@ -15,9 +15,7 @@ PACKAGES = ("pinograsp", "pin", "coal", "nlopt", "numpy", "yourdfpy", "trimesh",
 
 def provenance(robot: RobotDescription, scene: SceneDescription) -> dict[str, Any]:
     """Return package versions and SHA-256 hashes of the input files."""
-    files = {"robot": robot.digest, "scene": scene.digest, "urdf": _digest(robot.urdf_file)}
-    if robot.srdf_file is not None:
-        files["srdf"] = _digest(robot.srdf_file)
+    files = {"robot": robot.digest, "scene": scene.digest} | {key: _digest(file) for key, file in robot.files.items()}
     return {
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions import RobotDescription, SceneDescription, robot_for
+from ..descriptions.urdf import read_urdf
 from ..errors import InputError, close_names
 from .certificate import Certificate, Figure
 from .claim import Claim
@@ -15,10 +16,13 @@ from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, region_figure
 from .forces import balance_figures, force_figures
 from .joints import joint_limits, limits_figure, mimic_figure
-from .kinematics import Kinematics, Poses, read_urdf
+from .kinematics import Kinematics, Poses, parsed
 from .meshes import read_meshes
 from .pairs import link_pairs
+from .preferences import approach_figure, ranges_figure
 from .shapes import PENETRATION, PlacedShape
+from .synergies import Synergies
+from .without_srdf import Sampling
 
 _LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
 
@@ -37,20 +41,27 @@ class Verifier:
 
     def __init__(self, robot: RobotDescription, scene: SceneDescription, task_name: str) -> None:
         self._task = scene.task(task_name)
-        self._pads = robot.pads
+        self._pads = robot_for(robot, scene, task_name).pads
         self._walls = scene.enclosure.walls
-        urdf = read_urdf(robot.urdf_file)
+        composed = read_urdf(robot)
+        urdf = parsed(composed, robot.urdf_file)
         self._kinematics = Kinematics(urdf, scene.mounting.matrix, robot.urdf_file)
         self._limits = joint_limits(self._kinematics.joints, robot)
+        self._synergies = Synergies.of(robot, self._kinematics.joints)
+        self._wrist = robot.arm.wrist
+        self._endless = {name for name in robot.arm.joints if name not in self._limits}
         self._meshes = read_meshes(urdf, robot)
-        self._enabled, self._never = link_pairs(self._meshes, self._kinematics, robot.srdf_file)
         _require_known(robot, self._kinematics)
+        _require_ranges_known(scene, task_name, self._kinematics, self._synergies)
+        sampling = Sampling(self._kinematics, robot, self._synergies, self._limits)
+        self._enabled, self._never = link_pairs(self._meshes, composed, sampling, self._task.margin.robot)
         # Links fixed to the root do not move: whether the mounting is free is not a matter of the grasp.
         self._moving = [mesh for mesh in self._meshes.values() if self._kinematics.moves(mesh.link)]
         if not self._moving:
             raise InputError("no moving link has collision geometry, nothing can be verified", file=robot.urdf_file)
         body = scene.objects[self._task.object]
         self._center_of_mass = body.center_of_mass_world
+        self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
         self._target_pairs = [(mesh, self._target) for mesh in self._meshes.values()]
@@ -90,7 +101,19 @@ class Verifier:
         figures += self._statics(claim, poses)
         if self._limits:
             figures.append(limits_figure(self._limits, claim.joints))
-        return [*figures, mimic_figure(joints, claim.joints)]
+        figures.append(mimic_figure(joints, claim.joints))
+        synergies = self._synergies.figure(claim.joints)
+        return [*figures, *([] if synergies is None else [synergies]), *self._preferences(claim, poses)]
+
+    def _preferences(self, claim: Claim, poses: Poses) -> list[Figure]:
+        figures = []
+        if self._task.approach is not None:
+            pose = poses[self._wrist]
+            figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._wrist))
+        if self._task.joint_ranges:
+            positions = self._synergies.values(claim.joints) | claim.joints
+            figures.append(ranges_figure(self._task.joint_ranges, positions, self._endless))
+        return figures
 
     def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
         margin = self._task.margin
@@ -112,7 +135,7 @@ class Verifier:
         return [
             *contact_figures(claim.points, inward, pads, self._target),
             *([] if region is None else [region_figure(claim.points, region, pads, self._target)]),
-            *balance_figures(claim, pads.normals, self._center_of_mass, radius, self._task),
+            *balance_figures(claim, pads.nearest(claim.points)[1], self._center_of_mass, radius, self._task),
             *force_figures(claim, inward, self._pads, self._task),
         ]
 
@@ -136,13 +159,25 @@ class Verifier:
 def _require_known(robot: RobotDescription, kinematics: Kinematics) -> None:
     """Refuse a robot file that names joints or links which the URDF does not have."""
     joints = {joint.name for joint in kinematics.joints}
-    used = {"arm": [*robot.arm.joints], "hand": [synergy.joint for synergy in robot.hand.synergies]}
+    used = {"arm": robot.arm.joints, "hand": (*sorted(robot.hand.joints), *robot.hand.rest)}
     for key, names in used.items():
         for name in names:
             if name not in joints:
                 remedy = close_names(name, sorted(joints))
                 raise InputError(f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy)
-    for pad in robot.pads:
-        if pad.link not in kinematics.body:
-            remedy = close_names(pad.link, sorted(kinematics.body))
-            raise InputError(f"the URDF has no link {pad.link!r}", file=robot.source, key="pads", remedy=remedy)
+    links = [("arm.wrist", robot.arm.wrist), *(("pads", pad.link) for pad in robot.pads)]
+    for key, link in links:
+        if link not in kinematics.body:
+            remedy = close_names(link, sorted(kinematics.body))
+            raise InputError(f"the URDF has no link {link!r}", file=robot.source, key=key, remedy=remedy)
+
+
+def _require_ranges_known(
+    scene: SceneDescription, task_name: str, kinematics: Kinematics, synergies: Synergies
+) -> None:
+    """Refuse a task with ranges of joints that the URDF does not have, and that are no synergies."""
+    joints = {*(joint.name for joint in kinematics.joints), *synergies.names}
+    for name in scene.task(task_name).joint_ranges:
+        if name not in joints:
+            key, remedy = f"tasks.{task_name}.joint_ranges.{name}", close_names(name, sorted(joints))
+            raise InputError(f"the URDF has no movable joint {name!r}", file=scene.source, key=key, remedy=remedy)

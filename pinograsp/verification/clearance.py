@@ -88,7 +88,7 @@ def self_figure(name: str, pairs: Sequence[LinkPair], placed: Placed, limit: flo
     second = np.array([placed.centers[mesh.link] for _, mesh in pairs]).reshape(-1, 3)
     bounds = np.linalg.norm(second - first, axis=1) - [a.radius + b.radius for a, b in pairs]
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: _to_mesh(*pairs[i], placed, most))
+    least, nearest = _least(bounds, cap, lambda i, most: mesh_distance(*pairs[i], placed, most))
     where = "" if nearest is None else " / ".join(mesh.link for mesh in pairs[nearest])
     return Figure(name, least, limit, "m", "at least", where)
 
@@ -127,8 +127,11 @@ def _to_shape(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -
     return -math.inf
 
 
-def _to_mesh(first: LinkMesh, second: LinkMesh, placed: Placed, most: float) -> float:
-    """Return the distance of two meshes, -inf where they intersect or one surrounds the other."""
+def mesh_distance(first: LinkMesh, second: LinkMesh, placed: Placed, most: float) -> float:
+    """Return the lesser of `most`, above zero, and the distance of two meshes, m.
+
+    It is -inf where they intersect or one surrounds the other.
+    """
     distance = _distance(first.solid, placed.placements[first.link], second.solid, placed.placements[second.link], most)
     if distance <= 0.0 or _one_in_other(first, second, placed) or _one_in_other(second, first, placed):
         return -math.inf

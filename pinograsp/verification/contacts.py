@@ -12,6 +12,7 @@ from ..descriptions.regions import Region
 from ..descriptions.robot import PadDescription
 from .certificate import Figure
 from .kinematics import Poses
+from .patches import nearest_on_patch
 from .regions import depth
 from .shapes import PENETRATION, PlacedShape
 
@@ -25,39 +26,36 @@ REGION_TOLERANCE = 1e-9
 class Pads:
     """The pads at the link poses of one claim, world frame."""
 
-    names: tuple[str, ...]
+    pads: tuple[PadDescription, ...]
     origins: Array
     """Shape (pads, 3), m."""
     rotations: Array
     """Shape (pads, 3, 3); columns x, y, outward normal."""
-    low: Array
-    """Least u, v, shape (pads, 2), m."""
-    high: Array
-    """Largest u, v, shape (pads, 2), m."""
 
     @classmethod
     def at(cls, pads: Sequence[PadDescription], poses: Poses) -> Pads:
         """Place pads."""
         links = [poses[pad.link] for pad in pads]
         return cls(
-            names=tuple(pad.name for pad in pads),
+            pads=tuple(pads),
             origins=np.array([T[:3, :3] @ pad.patch.origin + T[:3, 3] for T, pad in zip(links, pads, strict=True)]),
             rotations=np.array([T[:3, :3] @ pad.patch.rotation for T, pad in zip(links, pads, strict=True)]),
-            low=np.array([(pad.patch.u[0], pad.patch.v[0]) for pad in pads]),
-            high=np.array([(pad.patch.u[1], pad.patch.v[1]) for pad in pads]),
         )
 
     @property
-    def normals(self) -> Array:
-        """Outward normals, shape (pads, 3)."""
-        return self.rotations[:, :, 2]
+    def names(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(pad.name for pad in self.pads)
 
-    def distances(self, points: Array) -> Array:
-        """Return the distance of point i, world, to the rectangle of pad i, shape (pads,), m."""
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Return the distance of point i to pad i, shape (pads,), m, and the pad's outward normal there, (pads, 3).
+
+        Points and normals are in the world.
+        """
         local = np.einsum("pji,pj->pi", self.rotations, points - self.origins)
-        nearest = np.zeros_like(local)
-        nearest[:, :2] = np.clip(local[:, :2], self.low, self.high)
-        return np.asarray(np.linalg.norm(local - nearest, axis=1))
+        found = [nearest_on_patch(pad.patch, point) for pad, point in zip(self.pads, local, strict=True)]
+        distances, normals = zip(*found, strict=True)
+        return np.array(distances), np.einsum("pij,pj->pi", self.rotations, np.array(normals))
 
 
 def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShape) -> list[Figure]:
@@ -70,11 +68,12 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
         target: the object.
     """
     gaps = np.abs([target.distance(point) for point in points])
+    off, normals = pads.nearest(points)
     # Exact for small and large angles alike, which arccos is not.
-    tilts = 2 * np.arctan2(np.linalg.norm(pads.normals - inward, axis=1), np.linalg.norm(pads.normals + inward, axis=1))
+    tilts = 2 * np.arctan2(np.linalg.norm(normals - inward, axis=1), np.linalg.norm(normals + inward, axis=1))
     return [
         _largest("contact gap", gaps, PENETRATION, "m", pads.names),
-        _largest("contact on pad", pads.distances(points), 1e-6, "m", pads.names),
+        _largest("contact on pad", off, 1e-6, "m", pads.names),
         _largest("pad tangency", tilts, 2e-3, "rad", pads.names),
     ]
 

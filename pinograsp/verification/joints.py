@@ -15,7 +15,7 @@ def joint_limits(joints: Iterable[Joint], robot: RobotDescription) -> Limits:
     """Return the limits of the joints that have any: the robot file's replace those of the URDF."""
     limits: Limits = {joint.name: joint.limits for joint in joints if joint.limits is not None}
     limits |= robot.arm.limits
-    limits |= {s.joint: s.limits for s in robot.hand.synergies if s.limits is not None}
+    limits |= {s.joint: s.limits for s in robot.hand.synergies if s.joint is not None and s.limits is not None}
     return limits
 
 

@@ -6,6 +6,7 @@ joints included) and needs a twentieth of the time of yourdfpy's scene graph.
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 import yourdfpy
 from numpy.typing import NDArray
 
+from ..descriptions.urdf import RobotUrdf
 from ..errors import InputError
 
 Array = NDArray[np.float64]
@@ -34,14 +36,14 @@ class Joint:
     offset: float
 
 
-def read_urdf(file: Path) -> Any:
-    """Read a URDF without its meshes.
+def parsed(urdf: RobotUrdf, file: Path) -> Any:
+    """Return a composed URDF as yourdfpy reads it, without its meshes.
 
     Raises:
-        InputError: the file is missing or no URDF.
+        InputError: it is no URDF; `file` is named.
     """
     try:
-        return yourdfpy.URDF.load(str(file), build_scene_graph=False, load_meshes=False)
+        return yourdfpy.URDF.load(io.BytesIO(urdf.xml.encode()), build_scene_graph=False, load_meshes=False)
     except (OSError, SyntaxError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise InputError(f"cannot be read as URDF: {error}", file=file) from None
 
@@ -50,7 +52,7 @@ class Kinematics:
     """The tree of links and joints, its root at a given pose in the world.
 
     Args:
-        urdf: as `read_urdf` returns it.
+        urdf: as `parsed` returns it.
         T_world_root: pose of the URDF's root link, shape (4, 4).
         file: the URDF, named in errors.
     """
@@ -88,6 +90,36 @@ class Kinematics:
         """Whether one movable joint joins the bodies of two links."""
         pair = {self.body[first], self.body[second]}
         return any({self.body[joint.parent], self.body[joint.child]} == pair for joint in self._tree)
+
+    def moved_by(self, first: str, second: str) -> set[str]:
+        """Return the joints that move two links against each other; for a mimic joint, the one that leads it."""
+        joints = {joint.name: joint for joint in self.joints}
+        above = {joint.child: joint for joint in self._tree}
+
+        def on_the_way(link: str) -> set[str]:
+            found: set[str] = set()
+            while link in above:
+                found |= {above[link].name} & joints.keys()
+                link = above[link].parent
+            return found
+
+        def leader(name: str) -> str:
+            mimicked = joints[name].mimics
+            return name if mimicked is None else leader(mimicked)
+
+        return {leader(name) for name in on_the_way(first) ^ on_the_way(second)}
+
+    def followed(self, angles: dict[str, float]) -> dict[str, float]:
+        """Return the value of every movable joint, rad (m): as given, as a mimic joint has to follow, or zero."""
+        joints = {joint.name: joint for joint in self.joints}
+
+        def value(name: str) -> float:
+            joint = joints[name]
+            if joint.mimics is None:
+                return angles.get(name, 0.0)
+            return joint.multiplier * value(joint.mimics) + joint.offset
+
+        return {name: value(name) for name in joints}
 
     def poses(self, angles: dict[str, float]) -> Poses:
         """Return the pose in the world of every link.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import coal
@@ -11,7 +12,6 @@ import trimesh
 from numpy.typing import NDArray
 
 from ..descriptions import RobotDescription
-from ..descriptions.locate import resolve
 from ..errors import InputError
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def read_meshes(urdf: Any, robot: RobotDescription) -> dict[str, LinkMesh]:
     """Read the collision geometry of every link that has any.
 
     Raises:
-        InputError: a mesh is missing or cannot be read.
+        InputError: a mesh cannot be read.
     """
     return {
         name: _link_mesh(name, [_placed(collision, name, robot) for collision in link.collisions])
@@ -75,7 +75,7 @@ def _placed(collision: Any, link: str, robot: RobotDescription) -> Any:
     """Return one `<collision>` as a mesh in the link frame."""
     geometry = collision.geometry
     if geometry.mesh is not None:
-        mesh = _read(geometry.mesh.filename, link, robot)
+        mesh = _read(geometry.mesh.filename, link)
         scale = geometry.mesh.scale
         mesh.apply_scale(1.0 if scale is None else scale)
     elif geometry.box is not None:
@@ -93,20 +93,15 @@ def _placed(collision: Any, link: str, robot: RobotDescription) -> Any:
     return mesh if collision.origin is None else mesh.apply_transform(collision.origin)
 
 
-def _read(address: str, link: str, robot: RobotDescription) -> Any:
-    file = resolve(address, beside=robot.urdf_file, folders=robot.folders)
-    if file is None:
-        raise InputError(
-            f"the collision mesh {address} of link {link} was not found",
-            file=robot.urdf_file,
-            remedy="Looked in " + ", ".join(map(str, [robot.urdf_file.parent, *robot.folders])),
-        )
+def _read(file: str, link: str) -> Any:
     try:
         mesh = trimesh.load_scene(file).to_geometry()
+        if not len(mesh.faces):
+            raise ValueError("it has no triangles")
         # Without texture and colours, which keep vertices apart that are one.
         return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
-        raise InputError(f"the collision mesh of link {link} cannot be read: {error}", file=file) from None
+        raise InputError(f"the collision mesh of link {link} cannot be read: {error}", file=Path(file)) from None
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:

@@ -3,52 +3,39 @@
 from __future__ import annotations
 
 from itertools import combinations
-from pathlib import Path
-from xml.etree import ElementTree
 
-from ..errors import InputError
+from ..descriptions.urdf import RobotUrdf
 from .clearance import LinkPair
-from .kinematics import Kinematics
 from .meshes import LinkMesh
+from .without_srdf import Sampling, sorted_out
 
 _EXCUSED = {"adjacent", "default", "always", "user"}
 
 
 def link_pairs(
-    meshes: dict[str, LinkMesh], kinematics: Kinematics, srdf: Path | None
+    meshes: dict[str, LinkMesh], urdf: RobotUrdf, sampling: Sampling, margin: float
 ) -> tuple[list[LinkPair], list[LinkPair]]:
     """Return the pairs that must keep the margin and those that must not touch.
 
     Links of one body are never checked. The second list holds the pairs that the SRDF disables because no
-    sample showed them in collision ("Never", or no reason): a claim, so it is checked. Without an SRDF,
-    adjacent links are left out and all others must keep the margin.
+    sample showed them in collision ("Never", or no reason): a claim, so it is checked. Adjacent links need no
+    reason. If a file of the robot has no SRDF, adjacent links are left out too, and postures of the robot sort out
+    the rest.
     """
-    reasons = None if srdf is None else _disabled(srdf)
+    kinematics = sampling.kinematics
     enabled: list[LinkPair] = []
     never: list[LinkPair] = []
     for first, second in combinations(meshes.values(), 2):
         if kinematics.body[first.link] == kinematics.body[second.link]:
             continue
-        if reasons is None:
-            if not kinematics.adjacent(first.link, second.link):
-                enabled.append((first, second))
-            continue
-        given = reasons.get(frozenset((first.link, second.link)))
-        if given is None:
+        given = urdf.disabled.get(frozenset((first.link, second.link)))
+        adjacent = kinematics.adjacent(first.link, second.link)
+        if given is not None:
+            if not given & _EXCUSED and not (adjacent and given == {""}):
+                never.append((first, second))
+        elif urdf.complete or not adjacent:
             enabled.append((first, second))
-        elif not given & _EXCUSED:
-            never.append((first, second))
+    if not urdf.complete:
+        enabled, further = sorted_out(enabled, sampling, margin)
+        never += further
     return enabled, never
-
-
-def _disabled(srdf: Path) -> dict[frozenset[str], set[str]]:
-    """Return the reasons, in lower case, for which pairs of links are disabled."""
-    try:
-        root = ElementTree.parse(srdf).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise InputError(f"cannot be read as SRDF: {error}", file=srdf) from None
-    reasons: dict[frozenset[str], set[str]] = {}
-    for entry in root.iter("disable_collisions"):
-        pair = frozenset((entry.get("link1", ""), entry.get("link2", "")))
-        reasons.setdefault(pair, set()).add(entry.get("reason", "").lower())
-    return reasons

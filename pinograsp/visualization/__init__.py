@@ -12,6 +12,7 @@ from pathlib import Path
 from ..descriptions import RobotDescription, SceneDescription
 from ..results.grasp import Grasp
 from . import camera
+from .approach import draw_approach
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
 from .page import grasp_page, write_atomically
@@ -54,6 +55,8 @@ def show(
     draw_robot(world, robot, grasp.joints, scene.mounting.matrix)
     draw_scene(world, scene, task)
     draw_forces(world, grasp, scene, task)
+    if task.approach is not None:
+        draw_approach(world["approach"], task.approach, scene.objects[task.object])
     for name in ("/Grid", "/Axes"):
         visualizer[name].set_property("visible", False)
     visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])

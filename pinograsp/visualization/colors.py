@@ -11,6 +11,9 @@ OBJECT = 0xF2A33A
 OTHER = 0x9AA0A6
 ALLOWED = 0x4CB963
 FORBIDDEN = 0xD9534F
+APPROACH = 0x8E5BD0
+PAD = 0x17A2B8
+NORMAL = 0xD62728
 WALL = 0x9DB8D2
 FLOOR = 0xD5DBE2
 EDGE = 0x7C8A99
@@ -31,13 +34,15 @@ LEGEND = {
 REGION_LEGEND = {"contact allowed": ALLOWED, "contact forbidden": FORBIDDEN}
 """Instead of the object's colour where a task has contact regions."""
 
+PAD_LEGEND = {"pad": PAD, "its outward normal": NORMAL, "wrist's z axis, the approach direction": APPROACH}
 
-def legend(*, regions: bool) -> dict[str, int]:
-    """Return what each colour means, in a task with or without contact regions."""
+
+def legend(*, regions: bool, approach: bool) -> dict[str, int]:
+    """Return what each colour means, in a task with or without contact regions and a cone of approach directions."""
     entries: dict[str, int] = {}
     for text, color in LEGEND.items():
         entries |= REGION_LEGEND if regions and text == "object" else {text: color}
-    return entries
+    return entries | ({"cone of approach directions": APPROACH} if approach else {})
 
 
 def css(color: int) -> str:

@@ -73,7 +73,7 @@ def grasp_page(
         f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
         "<table><caption>Contact forces on the object, world frame</caption>",
         "".join(_contact(contact) for contact in grasp.contacts) + "</table>",
-        legend(colors.legend(regions=task.contact_region is not None)),
+        legend(colors.legend(regions=task.contact_region is not None, approach=task.approach is not None)),
         f"<table>{_certificate(grasp.certificate)}</table>",
     )
     views = {"whole-box": whole_box(scene, task), "close-up": close_up(grasp, scene, task)}

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..descriptions import RobotDescription
+from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from .viewer import Visualizer
 
@@ -28,13 +29,29 @@ def draw_robot(
     Raises:
         InputError: a mesh is missing or unreadable, or a joint has no angle.
     """
+    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting)
+
+
+def draw_urdf(
+    viewer: Visualizer,
+    xml: str,
+    robot: RobotDescription,
+    joints: dict[str, float],
+    mounting: NDArray[np.float64],
+) -> dict[str, tuple[str, NDArray[np.float64]]]:
+    """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
+
+    Arguments and errors as for `draw_robot`.
+
+    Returns:
+        For every node what it is fixed to, a joint or `universe`, and its pose there with its scale, shape (4, 4).
+    """
     from pinocchio.visualize import MeshcatVisualizer
 
     file = robot.urdf_file
     try:
-        model = pin.buildModelFromUrdf(str(file))
-        folders = [str(folder) for folder in robot.folders]
-        visuals = pin.buildGeomFromUrdf(model, str(file), pin.GeometryType.VISUAL, package_dirs=folders)
+        model = pin.buildModelFromXML(xml)
+        visuals = pin.buildGeomFromUrdfString(model, xml, pin.GeometryType.VISUAL)
     except (ValueError, RuntimeError) as error:
         raise InputError(f"cannot be drawn: {error}", file=file) from None
     q = configuration(model, joints, robot)
@@ -49,6 +66,13 @@ def draw_robot(
             raise InputError(f"cannot be drawn: {problem}", file=file) from None
     painter.display(q)
     viewer["robot"].set_transform(mounting)
+    return {
+        painter.getViewerNodeName(item, pin.GeometryType.VISUAL): (
+            model.names[item.parentJoint],
+            item.placement.homogeneous @ np.diag([*item.meshScale, 1.0]),
+        )
+        for item in visuals.geometryObjects
+    }
 
 
 def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescription) -> NDArray[np.float64]:

@@ -1,0 +1,36 @@
+"""A pose in YAML: position and roll, pitch, yaw."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .files import Frozen, Vector3
+
+ZERO: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Pose(Frozen):
+    """A frame in another one: position (m) and roll, pitch, yaw (rad) about the fixed axes x, y, z, as in URDF."""
+
+    position: Vector3 = ZERO
+    rpy: Vector3 = ZERO
+
+    @cached_property
+    def matrix(self) -> NDArray[np.float64]:
+        """Homogeneous transform of the frame in the other one, shape (4, 4)."""
+        (cr, cp, cy), (sr, sp, sy) = (
+            [math.cos(a) for a in self.rpy],
+            [math.sin(a) for a in self.rpy],
+        )
+        T = np.eye(4)
+        T[:3, :3] = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+        T[:3, 3] = self.position
+        return T

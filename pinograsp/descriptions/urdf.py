@@ -1,0 +1,251 @@
+"""The URDF of a robot file: read, cut, and put together from several files.
+
+    <urdf>       less what `leave_out` names, only what `root` carries
+    attach[0]    another URDF, treated alike, its names with a prefix, fixed to a link of what is there so far
+    ...
+
+Everything happens on XML trees in memory. Addresses of meshes become absolute paths, found only in the folders that
+the robot file allows, so that nothing after this has to know which file an element came from.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import InputError, close_names
+from .locate import resolve
+from .robot import Attachment, Composition, UrdfPart
+from .urdf_checks import check_tree, number
+
+Pairs = dict[frozenset[str], frozenset[str]]
+
+_MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another, which mimics none: angle = multiplier * leader + offset."""
+
+    leader: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class RobotUrdf:
+    """The robot as one tree of links and joints."""
+
+    tree: ET.Element
+    disabled: Pairs
+    """Pairs of links that an SRDF takes out of self-collision checks, with the reasons given, in lower case."""
+    complete: bool
+    """Whether every file of the composition has an SRDF."""
+
+    @property
+    def xml(self) -> str:
+        """The tree as a URDF document."""
+        return ET.tostring(self.tree, encoding="unicode")
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return tuple(_names(self.tree, "link"))
+
+    @property
+    def root(self) -> str:
+        """Name of the link that has no parent."""
+        return _root_of(self.tree)
+
+
+def read_urdf(robot: Composition) -> RobotUrdf:
+    """Read and compose the URDF of a robot, given by its file or by what it is put together from.
+
+    Raises:
+        InputError: a file cannot be parsed, is no tree, a mesh for collisions is not found, a name is unknown
+            or given twice.
+    """
+    tree, cut = _part(robot, robot.urdf_file, robot, "")
+    disabled = _disabled_pairs(robot.srdf_file, _renamed(tree, cut, ""))
+    complete = robot.srdf_file is not None
+    for number_, attachment in enumerate(robot.attach):
+        key = f"attach[{number_}]"
+        files = robot.attached_files[number_]
+        part, cut = _part(attachment, files.urdf, robot, f"{key}.")
+        renamed = _renamed(part, cut, attachment.prefix)
+        _prefix(part, attachment.prefix, key)
+        _attach(tree, part, attachment, robot, key)
+        for pair, reasons in _disabled_pairs(files.srdf, renamed).items():
+            disabled[pair] = disabled.get(pair, frozenset()) | reasons
+        complete = complete and files.srdf is not None
+    return RobotUrdf(tree, disabled, complete)
+
+
+def mimics_of(tree: ET.Element, file: Path) -> dict[str, Mimic]:
+    """Return how joints follow others, chains resolved.
+
+    Raises:
+        InputError: a joint mimics itself, or what is no movable joint.
+    """
+    steps: dict[str, Mimic] = {}
+    movable = [joint.get("name", "") for joint in tree.findall("joint") if joint.get("type") != "fixed"]
+    for joint in tree.findall("joint"):
+        mimic, name = joint.find("mimic"), joint.get("name", "")
+        if mimic is not None:
+            factors = [number(mimic.get(key, default), file, name) for key, default in _MIMIC_DEFAULTS]
+            steps[name] = Mimic(mimic.get("joint", ""), *factors)
+    return {name: _resolved(name, steps, movable, file) for name in steps}
+
+
+def _resolved(name: str, steps: dict[str, Mimic], movable: list[str], file: Path) -> Mimic:
+    leader, multiplier, offset = name, 1.0, 0.0
+    for _ in range(len(steps) + 1):
+        if leader not in movable:
+            remedy = close_names(leader, movable)
+            raise InputError(f"mimics {leader!r}, which is no joint", file=file, key=name, remedy=remedy)
+        if leader not in steps:
+            return Mimic(leader, multiplier, offset)
+        step = steps[leader]
+        leader, multiplier, offset = step.leader, multiplier * step.multiplier, multiplier * step.offset + offset
+    raise InputError("mimics itself", file=file, key=name)
+
+
+def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.Element, set[str]]:
+    """Return what a robot file takes of one URDF, and the names of the links that it leaves."""
+    tree = parse(file, "robot")
+    links = check_tree(tree, file)
+    for element in list(tree):
+        if element.tag not in {"link", "joint", "material"}:
+            tree.remove(element)
+    wanted = [(name, f"{key}leave_out[{index}]") for index, name in enumerate(part.leave_out)]
+    for name, its_key in wanted if part.root is None else [*wanted, (part.root, f"{key}root")]:
+        _require(name, tree, file, robot, its_key)
+    for name in part.leave_out:
+        _keep(tree, _carried(tree, name), keep=False)
+    if part.root is not None:
+        _keep(tree, _carried(tree, part.root), keep=True)
+    if not _names(tree, "link"):
+        raise InputError("nothing is left of the URDF", file=robot.source, key=f"{key}leave_out")
+    mimics_of(tree, file)  # a joint that is left may mimic one that is not
+    _find_meshes(tree, file, robot)
+    return tree, set(links) - set(_names(tree, "link"))
+
+
+def parse(file: Path, tag: str) -> ET.Element:
+    """Read an XML file whose root element is `tag`."""
+    try:
+        root = ET.parse(file).getroot()
+    except ET.ParseError as error:
+        raise InputError(f"is not valid XML: {error}", file=file) from None
+    if root.tag != tag:
+        raise InputError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
+    return root
+
+
+def _names(tree: ET.Element, tag: str) -> list[str]:
+    return [element.get("name", "") for element in tree.findall(tag)]
+
+
+def _end(joint: ET.Element, end: str) -> str:
+    found = joint.find(end)
+    return "" if found is None else found.get("link", "")
+
+
+def _root_of(tree: ET.Element) -> str:
+    children = {_end(joint, "child") for joint in tree.findall("joint")}
+    return next(name for name in _names(tree, "link") if name not in children)
+
+
+def _carried(tree: ET.Element, link: str) -> set[str]:
+    """Return a link and all that it carries."""
+    found, frontier = {link}, {link}
+    while frontier:
+        frontier = {_end(joint, "child") for joint in tree.findall("joint") if _end(joint, "parent") in frontier}
+        found |= frontier
+    return found
+
+
+def _keep(tree: ET.Element, links: set[str], *, keep: bool) -> None:
+    """Remove the links that are not among `links` (or, if not `keep`, those that are), and their joints."""
+    for link in tree.findall("link"):
+        if (link.get("name") in links) != keep:
+            tree.remove(link)
+    left = set(_names(tree, "link"))
+    for joint in tree.findall("joint"):
+        if not {_end(joint, "parent"), _end(joint, "child")} <= left:
+            tree.remove(joint)
+
+
+def _prefix(tree: ET.Element, prefix: str, key: str) -> None:
+    """Put a prefix before every name of links and joints, and mark materials as those of the part `key`."""
+    for element in tree.iter():
+        if element.tag == "material" and element.get("name"):
+            element.set("name", f"{element.get('name')} ({key})")
+        for key in ("link", "joint") if element.tag in {"parent", "child", "mimic"} else ():
+            if element.get(key) is not None:
+                element.set(key, prefix + element.get(key, ""))
+    for element in [*tree.findall("link"), *tree.findall("joint")]:
+        element.set("name", prefix + element.get("name", ""))
+
+
+def _attach(tree: ET.Element, part: ET.Element, how: Attachment, robot: Composition, key: str) -> None:
+    _require(how.to, tree, robot.urdf_file, robot, f"{key}.to")
+    for tag in ("link", "joint"):
+        twice = sorted(set(_names(tree, tag)) & set(_names(part, tag)))
+        if twice:
+            problem = f"{len(twice)} {tag} names are in the robot already, the first is {twice[0]!r}"
+            raise InputError(problem, file=robot.source, key=f"{key}.prefix", remedy="Give a prefix, or another one")
+    child = _root_of(part)
+    tree.extend(part)
+    joint = ET.SubElement(tree, "joint", name=key, type="fixed")
+    xyz, rpy = (" ".join(repr(float(v)) for v in values) for values in (how.position, how.rpy))
+    ET.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ET.SubElement(joint, "parent", link=how.to)
+    ET.SubElement(joint, "child", link=child)
+
+
+def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: str) -> None:
+    known = _names(tree, "link")
+    if name not in known:
+        problem = f"link {name!r} is not in {file.name}"
+        raise InputError(problem, file=robot.source, key=key, remedy=close_names(name, known))
+
+
+def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
+    """Make the addresses of meshes absolute paths; one that is only for show may be missing."""
+    for link in tree.findall("link"):
+        for kind in ("visual", "collision"):
+            for mesh in link.iterfind(f"{kind}/geometry/mesh"):
+                address = mesh.get("filename", "")
+                found = resolve(address, beside=file, folders=robot.folders)
+                if found is not None:
+                    mesh.set("filename", str(found))
+                elif kind == "collision":
+                    looked = ", ".join(str(folder) for folder in [file.parent, *robot.folders])
+                    raise InputError(
+                        f"mesh {address} was not found",
+                        file=file,
+                        key=f"link {link.get('name')}",
+                        remedy=f"Looked in {looked}; name further folders under `packages` in the robot file",
+                    )
+
+
+def _renamed(tree: ET.Element, cut: set[str], prefix: str) -> dict[str, str | None]:
+    """Return what the links of one URDF are called in the robot; None: cut off."""
+    return {name: prefix + name for name in _names(tree, "link")} | dict.fromkeys(cut)
+
+
+def _disabled_pairs(srdf: Path | None, renamed: dict[str, str | None]) -> Pairs:
+    """Return the pairs of an SRDF, by the names in the robot.
+
+    A name that its own URDF has means that link, also if it was cut off and another part of the robot has a link of
+    this name; any other name means a link of the robot.
+    """
+    reasons: dict[frozenset[str], set[str]] = {}
+    for entry in [] if srdf is None else parse(srdf, "robot").findall("disable_collisions"):
+        named = (entry.get("link1", ""), entry.get("link2", ""))
+        links = [found for name in named if (found := renamed.get(name, name)) is not None]
+        if len(links) == len(named):
+            reasons.setdefault(frozenset(links), set()).add(entry.get("reason", "").lower())
+    return {pair: frozenset(given) for pair, given in reasons.items()}

@@ -1,0 +1,95 @@
+"""The surfaces of pads as functions of their contact parameters, in the patch frame (x, y, outward normal).
+
+A patch gives the contact point c(u, v) and the normal there, with their derivatives, and how far points stand
+above it. `descriptions.patches` says what u and v are.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import singledispatch
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions.patches import CylinderPatch, LinePatch, PlanePatch, SpherePatch
+
+
+class PatchPoint(NamedTuple):
+    """A point of a patch, patch frame; k contact parameters."""
+
+    point: Array
+    """m, shape (3,)."""
+    normal: Array
+    """Outward unit normal, shape (3,)."""
+    d_point: Array
+    """Shape (3, k)."""
+    d_normal: Array
+    """Shape (3, k)."""
+
+
+@singledispatch
+def patch_point(patch: object, parameters: Array) -> PatchPoint:
+    """Return the point at contact parameters, shape (k,)."""
+    raise NotImplementedError(type(patch).__name__)
+
+
+@singledispatch
+def above(patch: object, points: Array) -> Array:
+    """Return how far points, patch frame, shape (n, 3), stand out of the patch's surface continued, m, shape (n,)."""
+    raise NotImplementedError(type(patch).__name__)
+
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@patch_point.register
+def _(patch: PlanePatch, parameters: Array) -> PatchPoint:
+    u, v = parameters
+    return PatchPoint(np.array([u, v, 0.0]), _UP, np.eye(3)[:, :2], np.zeros((3, 2)))
+
+
+@patch_point.register
+def _(patch: LinePatch, parameters: Array) -> PatchPoint:
+    return PatchPoint(np.array([parameters[0], 0.0, 0.0]), _UP, np.eye(3)[:, :1], np.zeros((3, 1)))
+
+
+@patch_point.register
+def _(patch: CylinderPatch, parameters: Array) -> PatchPoint:
+    u, (s, c) = parameters[0], _sin_cos(parameters[1])
+    normal = np.array([0.0, s, c])
+    d_normal = np.column_stack([np.zeros(3), [0.0, c, -s]])
+    d_point = patch.radius * d_normal
+    d_point[0, 0] = 1.0
+    point = patch.radius * normal
+    point[0] = u
+    return PatchPoint(point, normal, d_point, d_normal)
+
+
+@patch_point.register
+def _(patch: SpherePatch, parameters: Array) -> PatchPoint:
+    (su, cu), (sv, cv) = _sin_cos(parameters[0]), _sin_cos(parameters[1])
+    normal = np.array([cv * su, sv, cv * cu])
+    d_normal = np.column_stack([[cv * cu, 0.0, -cv * su], [-sv * su, cv, -sv * cu]])
+    return PatchPoint(patch.radius * normal, normal, patch.radius * d_normal, d_normal)
+
+
+@above.register(PlanePatch)
+@above.register(LinePatch)
+def _(patch: PlanePatch | LinePatch, points: Array) -> Array:
+    return points[:, 2]
+
+
+@above.register
+def _(patch: CylinderPatch, points: Array) -> Array:
+    return np.asarray(np.hypot(points[:, 1], points[:, 2]) - patch.radius)
+
+
+@above.register
+def _(patch: SpherePatch, points: Array) -> Array:
+    return np.asarray(np.linalg.norm(points, axis=1) - patch.radius)
+
+
+def _sin_cos(angle: float) -> tuple[float, float]:
+    return math.sin(angle), math.cos(angle)

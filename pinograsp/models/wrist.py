@@ -1,0 +1,16 @@
+"""The approach direction, the wrist's z axis, with its derivative."""
+
+from __future__ import annotations
+
+from ..arrays import Array, skew
+from .kinematics import Configuration
+
+
+def approach_direction(configuration: Configuration) -> tuple[Array, Array]:
+    """Return the wrist's z axis in the world, shape (3,), and its derivative in the posture, shape (3, l + s)."""
+    robot = configuration.robot
+    frame = robot.model.frames[robot.wrist_frame]
+    joint = frame.parentJoint
+    axis = configuration.rotations[joint] @ frame.placement.rotation[:, 2]
+    angular = configuration.jacobian[3:] * robot.supports[joint]
+    return axis, -skew(axis) @ angular @ robot.B

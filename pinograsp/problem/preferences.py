@@ -1,0 +1,60 @@
+"""What a task prefers, in terms of its robot: a cone of approach directions, and bounds of the posture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions import SceneDescription, TaskDescription
+from ..errors import InputError, close_names
+from ..models import RobotModel
+
+TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class ApproachCone:
+    """Approach directions within `angle` (rad) of the unit vector `axis` (3,), world."""
+
+    axis: Array
+    angle: float
+
+
+def approach_cone(task: TaskDescription, T_world_object: Array) -> ApproachCone | None:
+    """Return the cone of a task in the world, or None if every approach direction is fine."""
+    if task.approach is None:
+        return None
+    R = T_world_object[:3, :3] if task.approach.frame == "object" else np.eye(3)
+    axis = R @ np.array(task.approach.direction)
+    return ApproachCone(axis / np.linalg.norm(axis), task.approach.angle)
+
+
+def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
+    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task's ranges.
+
+    The range of a joint whose whole turns do not count is moved by turns until its middle is within half a turn of
+    zero: a range of less than a turn then lies within the +-2 pi that the model gives such a joint.
+
+    Raises:
+        InputError: a range names no arm joint or synergy, or does not meet the robot's limits.
+    """
+    names = list(robot.posture_names)
+    lower, upper = robot.lower.copy(), robot.upper.copy()
+    for name, (low, high) in scene.task(task_name).joint_ranges.items():
+        key = f"tasks.{task_name}.joint_ranges.{name}"
+        if name not in names:
+            mimic = robot.urdf.mimics.get(name)
+            remedy = f"It mimics {mimic.leader}: name that" if mimic else close_names(name, names)
+            problem = f"{name!r} is no arm joint or synergy of {robot.description.name}"
+            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
+        i = names.index(name)
+        shift = TURN * round(0.5 * (low + high) / TURN) if robot.turns_freely(name) else 0.0
+        narrowed = max(lower[i], low - shift), min(upper[i], high - shift)
+        if narrowed[0] >= narrowed[1]:
+            problem = f"[{low:g}, {high:g}] does not meet the robot's limits [{lower[i]:g}, {upper[i]:g}]"
+            raise InputError(problem, file=scene.source, key=key, remedy="Give a range that overlaps them")
+        lower[i], upper[i] = narrowed
+    return lower, upper
