@@ -21,9 +21,11 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..descriptions import SceneDescription, TaskDescription
-from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids
+from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
 from .kinematics import Configuration
+from .patches import above
 from .robot import RobotModel
+from .without_srdf import excused_links
 
 Kind = Literal["enclosure", "object", "self"]
 REACH = 0.05
@@ -67,17 +69,18 @@ class CollisionModel:
 
     def __init__(self, robot: RobotModel, scene: SceneDescription, task: TaskDescription) -> None:
         links = robot_solids(robot)
+        hulls = [whole.solid for whole in wholes(links)]
         walls = wall_solids(scene.enclosure)
         obstacles = [body_solid(name, body) for name, body in scene.bodies_besides(task).items()]
         target = body_solid(task.object, scene.objects[task.object])
         self._robot = robot
-        self._solids = [*links, *walls, *obstacles, target]
+        self._solids = [*links, *hulls, *walls, *obstacles, target]
         self._margins: dict[Kind, float] = {
             "enclosure": task.margin.enclosure,
             "object": 0.0,
             "self": task.margin.robot,
         }
-        self.pairs = tuple(self._pairs(len(links), len(walls), len(obstacles)))
+        self.pairs = tuple(self._pairs(len(links), len(hulls), len(walls), len(obstacles)))
         self._reach = REACH + np.array([pair.margin for pair in self.pairs])
         first = np.array([pair.first for pair in self.pairs])
         second = np.array([pair.second for pair in self.pairs])
@@ -142,26 +145,32 @@ class CollisionModel:
             normals[row] = result.normal
         return values, points, normals
 
-    def _pairs(self, links: int, walls: int, obstacles: int) -> list[Pair]:
-        """List the pairs that can move against each other; wall pairs first, link by link."""
+    def _pairs(self, links: int, hulls: int, walls: int, obstacles: int) -> list[Pair]:
+        """List the pairs that can move against each other; wall pairs first, link by link.
+
+        Walls against whole hulls: a half-space is as far from them as from the nearest piece.
+        """
         solids, supports = self._solids, self._robot.supports
         moving = [i for i in range(links) if supports[solids[i].joint].any()]
-        around = range(links + walls, links + walls + obstacles)
-        target = links + walls + obstacles
+        whole = [i for i in range(links, links + hulls) if supports[solids[i].joint].any()]
+        wall = range(links + hulls, links + hulls + walls)
+        around = range(wall.stop, wall.stop + obstacles)
+        target = around.stop
 
         def pair(kind: Kind, a: int, b: int, link: int, other: int) -> Pair:
             return Pair(kind, solids[link].name, solids[other].name, a, b, self._margins[kind])
 
-        pairs = [pair("enclosure", i, w, i, w) for i in moving for w in range(links, links + walls)]
+        excused = excused_links(self._robot, solids[:links], self._margins["self"])
+        pairs = [pair("enclosure", i, w, i, w) for i in whole for w in wall]
         pairs += [pair("enclosure", i, o, i, o) for i in moving for o in around]
         pairs += [pair("object", i, target, i, target) for i in moving if not self._behind_its_pad(solids[i])]
-        pairs += [pair("self", a, b, b, a) for a, b in self_pairs(self._robot, solids[:links])]
+        pairs += [pair("self", a, b, b, a) for a, b in self_pairs(self._robot, solids[:links], excused)]
         return pairs
 
     def _behind_its_pad(self, solid: Solid) -> bool:
-        """Return whether the plane of a pad bounds the link.
+        """Return whether the surface of a pad bounds the link, or this piece of it.
 
-        Then contact and tangency at the pad already keep the link off a convex object. Its distance to the
+        Then contact and tangency at the pad already keep the piece off a convex object. Its distance to the
         object is zero at every grasp with the gradient of the contact condition: as one more inequality it
         would only make the problem degenerate.
         """
@@ -171,6 +180,6 @@ class CollisionModel:
         return any(
             pad.joint == solid.joint
             and pad.description.link == solid.name
-            and float(((points - pad.translation) @ pad.rotation[:, 2]).max()) < 2e-6
+            and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) < 2e-6
             for pad in self._robot.pads
         )

@@ -1,0 +1,98 @@
+"""Convex covers of mesh files, kept in the user's cache folder.
+
+A cover is found by the content of the mesh and by what decides how it is cut; where it is there, the mesh is not
+even parsed. A damaged file of the cache is computed again, and a folder that cannot be written costs time only.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+import zlib
+from functools import lru_cache
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+import trimesh
+
+from ..arrays import Array
+from ..cache_folder import cache_folder
+from ..errors import InputError
+from .covers import VERSION, cover
+from .hulls import FlatError
+
+Pieces = tuple[Array, ...]
+"""Vertices of convex pieces, each of shape (k, 3), m."""
+
+
+def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: float) -> Pieces:
+    """Return convex pieces that together contain a mesh.
+
+    Args:
+        mesh: STL, DAE or OBJ file.
+        scale: along x, y and z.
+        pieces: their largest number; 1 gives the convex hull.
+        tolerance: how far a piece may stand off the mesh without being cut, m; see `cover`.
+
+    Raises:
+        InputError: the mesh cannot be read or has no volume.
+    """
+    try:
+        content = mesh.read_bytes()
+    except OSError as error:
+        raise _unreadable(mesh, error) from None
+    settings = f"{VERSION} {mesh.suffix.lower()} {scale} {pieces} {tolerance}"
+    key = hashlib.sha256(content + settings.encode()).hexdigest()
+    return _cached(key, mesh, scale, pieces, tolerance)
+
+
+@lru_cache(maxsize=256)  # worker processes that are forked have it all
+def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: float) -> Pieces:
+    file = cache_folder() / "covers" / f"{mesh.stem}-{key[:32]}.npz"
+    found = _load(file)
+    if found is None:
+        try:
+            found = tuple(cover(read_triangles(mesh) * np.array(scale), pieces, tolerance))
+        except FlatError:
+            raise InputError("the collision mesh has no volume", file=mesh) from None
+        _save(file, found)
+    return found
+
+
+def read_triangles(mesh: Path) -> Array:
+    """Return the triangles of a mesh file, placed as its scene places them, in metres, shape (n, 3, 3).
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    try:
+        whole = trimesh.load_scene(mesh).to_geometry()
+        return np.asarray(np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)])
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
+        raise _unreadable(mesh, error) from None
+
+
+def _unreadable(mesh: Path, error: Exception) -> InputError:
+    return InputError(f"the collision mesh cannot be read: {error}", file=mesh)
+
+
+def _load(file: Path) -> Pieces | None:
+    """Return what a file holds, or None if it is not there or of no use."""
+    try:
+        with np.load(file) as data:
+            return tuple(np.split(data["vertices"].reshape(-1, 3), data["ends"][:-1]))
+    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
+        return None
+
+
+def _save(file: Path, pieces: Pieces) -> None:
+    """Write the whole file, or nothing where that is not possible."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=file.parent) as folder:
+            unfinished = Path(folder) / file.name
+            np.savez(unfinished, vertices=np.concatenate(pieces), ends=np.cumsum([len(piece) for piece in pieces]))
+            unfinished.replace(file)
+    except OSError:
+        return

@@ -1,0 +1,106 @@
+"""Convex hulls of points with their facets, and points spread evenly over surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from ..arrays import Array, Indices
+
+_TOUCHING = 1e-6
+"""Faces that meet are the same up to this, m."""
+
+
+class FlatError(Exception):
+    """Points in one plane have no hull with facets."""
+
+
+class Hull:
+    """The convex hull of points.
+
+    Args:
+        points: shape (n, 3), any frame, m.
+
+    Raises:
+        FlatError: the points lie in one plane, or there are none.
+    """
+
+    def __init__(self, points: Array) -> None:
+        try:
+            hull: Any = ConvexHull(points)
+        except (QhullError, ValueError) as error:
+            raise FlatError from error
+        self.vertices: Array = points[hull.vertices]
+        """Shape (k, 3)."""
+        self.triangles: Array = points[hull.simplices]
+        """The facets, shape (facets, 3, 3)."""
+        self.areas: Array = areas(self.triangles)
+        """Of the facets, m^2, shape (facets,)."""
+        self._normals: Array = hull.equations[:, :3]
+        self._offsets: Array = hull.equations[:, 3]
+
+    def heights(self, points: Array) -> Array:
+        """Return how far points, shape (n, 3), are beyond the facet that they are farthest beyond, m, shape (n,).
+
+        Zero on the hull, negative within; outside at most the distance.
+        """
+        return np.asarray((points @ self._normals.T + self._offsets).max(axis=1))
+
+
+def areas(triangles: Array) -> Array:
+    """Return the areas, m^2, shape (n,), of triangles, shape (n, 3, 3)."""
+    a, b, c = triangles.transpose(1, 0, 2)
+    x, y = b - a, c - a
+    # |x cross y| by Lagrange's identity, which takes a fraction of the time of np.cross.
+    xx, yy, xy = (x * x).sum(axis=1), (y * y).sum(axis=1), (x * y).sum(axis=1)
+    return np.asarray(0.5 * np.sqrt(np.maximum(xx * yy - xy * xy, 0.0)))
+
+
+def spread(triangles: Array, sizes: Array, count: int) -> Array:
+    """Return points spread evenly over triangles, at the same places every time.
+
+    Args:
+        triangles: shape (n, 3, 3).
+        sizes: their areas, shape (n,).
+        count: number of points.
+
+    Returns:
+        Shape (count, 3).
+    """
+    rng = np.random.default_rng(0)
+    along = sizes.cumsum()
+    # One point in each of `count` equal parts of the area.
+    chosen = np.searchsorted(along, (np.arange(count) + rng.random(count)) / count * along[-1])
+    a, b, c = triangles[np.minimum(chosen, len(triangles) - 1)].transpose(1, 0, 2)
+    u, v = rng.random((2, count, 1))
+    outside = u + v > 1.0
+    u, v = np.where(outside, 1.0 - u, u), np.where(outside, 1.0 - v, v)
+    return np.asarray(a + u * (b - a) + v * (c - a))
+
+
+def boundary(hulls: Sequence[Hull], count: int, around: Sequence[Hull] = ()) -> tuple[Array, Indices]:
+    """Return points spread evenly over the outer boundary of a union, and which hull each is of.
+
+    What lies in another hull is not on that boundary, nor are the faces along which hulls meet.
+
+    Args:
+        hulls: their boundaries get the points.
+        count: number of points before those within another hull are taken out.
+        around: further hulls of the union.
+
+    Returns:
+        Shapes (n, 3) and (n,), n < count + len(hulls).
+    """
+    shares = np.array([hull.areas.sum() for hull in hulls])
+    counts = np.ceil(count * shares / shares.sum()).astype(int).tolist()
+    points, owners = [], []
+    for k, (hull, number) in enumerate(zip(hulls, counts, strict=True)):
+        outer = spread(hull.triangles, hull.areas, number)
+        for other in [*hulls[:k], *hulls[k + 1 :], *around]:
+            outer = outer[other.heights(outer) > _TOUCHING]
+        points.append(outer)
+        owners.append(np.full(len(outer), k))
+    return np.concatenate(points), np.concatenate(owners)
