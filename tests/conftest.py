@@ -13,7 +13,8 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import RobotDescription, SceneDescription
+from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.models import RobotModel
 from pinograsp.problem import TaskModel
 
@@ -38,6 +39,52 @@ def gen3() -> RobotModel:
 
 
 @pytest.fixture(scope="session")
+def gen3_hulls(gen3: RobotModel) -> RobotModel:
+    """The shipped robot with one convex hull for each collision mesh."""
+    return RobotModel(gen3.description.model_copy(update={"collision": CollisionDescription(pieces=1)}))
+
+
+@pytest.fixture(scope="session")
+def paper() -> RobotModel:
+    """The arm with the hand of the paper: composed of two URDFs, one contact parameter a finger."""
+    return pinograsp.load_robot("gen3_2f85_paper")
+
+
+def with_patches(robot: RobotModel, *patches: dict[str, Any]) -> RobotModel:
+    """Return the robot with other surfaces of its pads, one after the other; keys that are not given stay."""
+    content = robot.description.model_dump()
+    for pad, patch in zip(content["pads"], patches, strict=True):
+        frame = {key: pad["patch"][key] for key in ("origin", "normal", "x_axis", "u")}
+        pad["patch"] = frame | patch
+    return RobotModel(RobotDescription.model_validate(content))
+
+
+@pytest.fixture(scope="session")
+def curved_gen3(gen3: RobotModel) -> RobotModel:
+    """The shipped robot with a cylinder along one finger tip and a sphere on the other; both bulge by millimetres."""
+    cylinder = {"type": "cylinder", "radius": 0.03, "origin": (0.0046, -0.0008, 0.032), "v": (-0.3, 0.35)}
+    sphere = {"type": "sphere", "radius": 0.04, "origin": (-0.0146, 0.0, 0.032), "u": (-0.4, 0.45), "v": (-0.2, 0.25)}
+    return with_patches(gen3, cylinder, sphere)
+
+
+@pytest.fixture(scope="session")
+def mixed_toy(toy: RobotModel) -> RobotModel:
+    """The toy with soft fingers: one contact parameter on the left, on a line, two on the right, on a sphere."""
+    line = {"type": "line", "u": (-0.015, 0.01)}
+    sphere = {"type": "sphere", "radius": 0.02, "origin": (-0.02, 0.0, 0.02), "u": (-0.5, 0.6), "v": (0.1, 0.5)}
+    content = with_patches(toy, line, sphere).description.model_dump()
+    for pad in content["pads"]:
+        pad["contact"] = {"model": "soft_finger", "torsion_radius": 0.005, "torsional_stiffness": 1.0}
+    return RobotModel(RobotDescription.model_validate(content))
+
+
+def random_parameters(robot: RobotModel, rng: np.random.Generator, part: float = 1.0) -> Array:
+    """Return contact parameters from the middle part of their ranges, shape (c,)."""
+    low, high = robot.parameter_limits.T
+    return np.asarray(0.5 * (low + high) + 0.5 * part * (high - low) * rng.uniform(-1.0, 1.0, len(low)))
+
+
+@pytest.fixture(scope="session")
 def glovebox() -> SceneDescription:
     return pinograsp.load_scene("glovebox")
 
@@ -45,6 +92,11 @@ def glovebox() -> SceneDescription:
 @pytest.fixture(scope="session")
 def sphere_task(gen3: RobotModel, glovebox: SceneDescription) -> TaskModel:
     return TaskModel(gen3, glovebox, "sphere")
+
+
+@pytest.fixture(scope="session")
+def paper_task(paper: RobotModel, glovebox: SceneDescription) -> TaskModel:
+    return TaskModel(paper, glovebox, "sphere")
 
 
 TOY_URDF = """<?xml version="1.0"?>

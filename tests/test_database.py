@@ -159,21 +159,25 @@ def test_rows_lie_along_the_curve(small: Path) -> None:
 
 @pytest.mark.parametrize("extent", [0.25, np.array([0.2, 0.1, 0.3])], ids=["ball", "box"])
 @pytest.mark.parametrize("cone", [None, Cone(np.array([0.0, 0.0, -2.0]), 0.8)], ids=["all", "cone"])
-def test_region_is_what_a_filter_of_all_rows_gives(small: Path, extent: Any, cone: Cone | None) -> None:
+@pytest.mark.parametrize("joints", [{}, {"joint_2": [(-1.0, 1.2)], "joint_7": [(-4.0, -1.0), (0.0, 2.5)]}], ids=len)
+def test_region_is_what_a_filter_of_all_rows_gives(small: Path, extent: Any, cone: Cone | None, joints: Any) -> None:
     center, rows = np.array([0.6, 0.0, 0.0]), everything(small)
     apart = np.column_stack([rows[name] for name in "xyz"]).astype(float) - center
     inside = (np.abs(apart) <= extent).all(axis=1) if np.ndim(extent) else np.linalg.norm(apart, axis=1) <= extent
     if cone is not None:
         inside &= -rows["az"].astype(float) >= np.cos(0.8)
+    for name, intervals in joints.items():
+        angles = rows[name.replace("joint_", "q")]
+        inside &= np.any([(angles >= low) & (angles <= high) for low, high in intervals], axis=0)
     with Database.open(small) as database:
-        found = region(database, center, extent, cone=cone)
-        chosen = spread_selection(database, center, extent, 50, cone=cone)
-        again = spread_selection(database, center, extent, 50, cone=cone)
-        other = spread_selection(database, center, extent, 50, cone=cone, seed=5)
-        everyone = spread_selection(database, center, extent, 10**5, cone=cone)
-    assert inside.sum() > 100
+        found = region(database, center, extent, cone=cone, joints=joints)
+        chosen = spread_selection(database, center, extent, 20, cone=cone, joints=joints)
+        again = spread_selection(database, center, extent, 20, cone=cone, joints=joints)
+        other = spread_selection(database, center, extent, 20, cone=cone, joints=joints, seed=5)
+        everyone = spread_selection(database, center, extent, 10**5, cone=cone, joints=joints)
+    assert inside.sum() > 40
     assert set(found.samples) == set(rows["sample"][inside]) == set(everyone.samples)
-    assert len(chosen) == len(set(chosen.samples)) == 50
+    assert len(chosen) == len(set(chosen.samples)) == 20
     assert set(chosen.samples) <= set(found.samples)
     assert np.array_equal(chosen.samples, again.samples)
     assert set(other.samples) != set(chosen.samples)

@@ -176,6 +176,23 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
         ["below max_force"],
     ),
     ("scene", "type: sphere", "type: spere", "objects.sphere.shape.type", "spere", ["'spere'", "mean sphere"]),
+    *(
+        ("scene", "    wrench:", f"    {text}\n    wrench:", f"tasks.sphere.{key}", text, words)
+        for text, key, words in [
+            ("approach: {direction: [0, 0, -2], angle: 1}", "approach.direction", ["length 1", "not 2"]),
+            ("approach: {direction: [0, 0, 0], angle: 1}", "approach.direction", ["length 1", "not 0"]),
+            ("approach: {direction: [0, 0, -1], angle: 0}", "approach.angle", ["greater than 0"]),
+            ("approach: {direction: [0, 0, -1], angle: 3.2}", "approach.angle", ["less than or equal to 3.14"]),
+            ("approach: {direction: [0, 0, -1]}", "approach.angle", ["missing"]),
+            ("approach: {direction: [0, 0, -1], angle: 1, frame: wrist}", "approach.frame", ["'world' or 'object'"]),
+            ("approach: {direction: [0, 0, -1], angel: 1}", "approach.angel", ["unknown key", "mean angle"]),
+            ("joint_ranges: {joint_6: [0.5, -1.5]}", "joint_ranges.joint_6", ["0.5 is not below", "-1.5"]),
+            ("joint_ranges: {joint_6: 0.5}", "joint_ranges.joint_6", ["a list in [brackets]"]),
+            ("joint_ranges: [joint_6]", "joint_ranges", ["block of keys"]),
+            ("allowed_contacts: {type: band, z: [0, 1], x: 2}", "allowed_contacts.x", ["unknown key", "z"]),
+            ("allowed_contacts: {type: band, z: [1, 0]}", "allowed_contacts.z", ["1 is not below", "end 0"]),
+        ]
+    ),
     ("robot", "link\n", "link\n  limits: {joint_1: [1, -1]}\n", "arm.limits.joint_1", "limits", ["not below"]),
     ("robot", "link\n", "link\n  limits: {joint_9: [-1, 1]}\n", "arm.limits.joint_9", "limits", ["joint_9", "arm"]),
     ("robot", "joint_6, joint_7", "joint_6, joint_6", "arm.joints[6]", "joint_6", ["'joint_6'", "twice"]),
@@ -262,7 +279,7 @@ def test_missing_scene(name: str) -> None:
 
 
 def test_missing_robot(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no such robot file.*Did you mean gen3_2f85\?"):
+    with pytest.raises(InputError, match=r"no such robot file.*Did you mean gen3_2f85\b"):
         load_robot("gen3_2f58")
     with pytest.raises(InputError, match="no such robot file"):
         load_robot(tmp_path)  # a folder without robot.yaml

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pinograsp import InputError, Progress, Result, RobotModel, SolverOptions, plan, write_json
+from pinograsp import InputError, Progress, Result, RobotModel, SolverOptions, build_database, plan, write_json
+from pinograsp.database import build, sampling
 from pinograsp.descriptions import SceneDescription
 from pinograsp.problem import TaskModel
 from pinograsp.verification import Certificate, Claim, Verifier
@@ -69,6 +70,33 @@ def test_good_grasps_of_the_sphere(result: Result) -> None:
     assert result.best.cost.U <= 2.180  # the paper's best: 2.178
     assert result.best.cost.phi_mm2 < 1e-3
     assert result.reliable >= 0.85 * STARTS
+    assert result.refuted == 0
+
+
+def test_good_grasps_with_the_hand_of_the_paper(
+    paper: RobotModel, glovebox: SceneDescription, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A composed robot with one contact parameter a finger, from a small database."""
+    for module in (build, sampling):
+        monkeypatch.setattr(module, "DRAWS", 16_384)
+    file = tmp_path / "paper.duckdb"
+    build_database(paper, glovebox, file, size=1000, workers=1).close()
+    result = plan(paper, glovebox, "sphere", starts=20, workers=1, seed=0, database=file)
+    good = sum(grasp.count for grasp in result.grasps if grasp.cost.U <= 2.180)
+    assert good >= 15
+    assert result.refuted == 0
+    assert result.best is not None
+    assert result.best.contact_parameters.shape == (2,)
+    assert result.best.joints.keys() >= {"joint_7", "left_shoulder", "right_knuckle"}
+
+
+def test_good_grasps_with_curved_pads(curved_gen3: RobotModel, glovebox: SceneDescription) -> None:
+    """A cylinder and a sphere, from the same database: it belongs to the arm. The check judges both by itself.
+
+    Below V* of two opposite contacts: pads that are not parallel may hold the sphere a little from below.
+    """
+    result = plan(curved_gen3, glovebox, "sphere", starts=10, workers=1, seed=0)
+    assert sum(grasp.count for grasp in result.grasps if grasp.cost.U <= 2.180) >= 8
     assert result.refuted == 0
 
 

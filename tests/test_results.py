@@ -18,6 +18,7 @@ from rich.console import Console
 from pinograsp import InputError, Result, RobotModel, plan, read_json, write_json
 from pinograsp.descriptions import SceneDescription
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, grasp_table, merge, outcome_lines
+from pinograsp.results.provenance import provenance
 from pinograsp.verification import Certificate, Figure
 
 
@@ -246,6 +247,15 @@ def test_hashes_are_those_of_the_files(result: Result, gen3: RobotModel, glovebo
     for name, file in files.items():
         assert file is not None
         assert recorded[name] == hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def test_hashes_of_a_composed_robot(paper: RobotModel, glovebox: SceneDescription) -> None:
+    recorded = provenance(paper.description, glovebox)["sha256"]
+    folder = paper.description.source.parent
+    assert set(recorded) == {"robot", "scene", "urdf", "srdf", "attach[0].urdf", "attach[0].srdf"}
+    for kind in ("urdf", "srdf"):
+        file = folder / f"two_phalanx_hand.{kind}"
+        assert recorded[f"attach[0].{kind}"] == hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def test_package_versions_are_recorded(result: Result) -> None:

@@ -11,13 +11,15 @@ from pathlib import Path
 from typing import get_args
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from pinograsp.descriptions import load_robot_description, load_scene, shapes
+from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.errors import InputError
 from pinograsp.results.grasp import Contact, Cost, Grasp
 from pinograsp.verification.certificate import Certificate, Figure
-from pinograsp.visualization import camera, colors, show, symbols, write_html
+from pinograsp.visualization import approach, camera, colors, show, symbols, write_html
 from pinograsp.visualization.forces import LONGEST_ARROW
 from pinograsp.visualization.page import write_atomically
 from pinograsp.visualization.regions import MESHES, painted_surface
@@ -241,9 +243,32 @@ def test_errors_of_input(grasp, robot, scene, tmp_path):
             write_atomically(tmp_path / folder / "a.html", "text")
 
 
+def test_a_composed_robot_is_drawn_with_every_part(grasp, paper, scene):
+    """Arm and hand where the model has them, none of the hand that was left out, the materials of their own."""
+    sigma = 1.9
+    posture = np.array([*ARM, sigma])
+    robot = paper.mounted(scene.mounting.matrix)
+    held = dataclasses.replace(grasp, joints=paper.joints_by_name(posture), synergy=posture[7:])
+    objects, transforms, _ = drawn(held, paper.description, scene)
+    names = {node.split("/")[-1].removesuffix("_0"): node for node in objects if node.startswith("robot/")}
+    assert names.keys() >= {"base_link", "bracelet_link", "palm", "left_distal", "right_distal"}
+    assert not [name for name in names if "robotiq" in name]
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.joint_positions(posture))
+    for link in ("left_distal", "palm"):
+        origin = read_urdf(paper.description).tree.find(f"link[@name='{link}']/visual/origin")
+        center = [0.0, 0.0, 0.0] if origin is None else [float(text) for text in origin.get("xyz").split()]
+        expected = data.oMf[robot.model.getFrameId(link)].act(np.array(center))
+        drawn_at = transforms["robot"] @ transforms[names[link]]
+        np.testing.assert_allclose(drawn_at[:3, 3], expected, atol=1e-9)
+    colors = {link: objects[names[link]]["materials"][0]["color"] for link in ("palm", "left_proximal")}
+    assert colors["palm"] != colors["left_proximal"]
+
+
 @pytest.mark.parametrize("content", [None, "this is not a mesh"])
 def test_a_mesh_that_cannot_be_read_is_an_error(grasp, robot, scene, tmp_path, content):
-    text = robot.urdf_file.read_text().replace("visual/forearm_link.dae", "visual/forearm.dae")
+    # The first of the two is the visual one, the other for collisions.
+    text = robot.urdf_file.read_text().replace("visual/forearm_link.dae", "visual/forearm.dae", 1)
     if content is not None:
         mesh = tmp_path / "forearm.dae"
         mesh.write_text(content)
@@ -284,5 +309,25 @@ def test_regions_are_painted(robot, tmp_path):
     draw_scene(Visualizer(window=recorder), scene, task)
     drawn = [command for command in recorder.commands if command["path"].endswith("object")]
     assert any("vertexColors" in str(command) for command in drawn)
-    assert set(colors.legend(regions=True)) >= {"contact allowed", "contact forbidden"}
-    assert "object" in colors.legend(regions=False)
+    assert set(colors.legend(regions=True, approach=False)) >= {"contact allowed", "contact forbidden"}
+    assert "object" in colors.legend(regions=False, approach=False)
+
+
+@pytest.mark.parametrize("angle", [0.1, 1.0, math.pi / 2, 2.5, math.pi])
+def test_the_cone_of_approach_directions_opens_towards_the_hand(robot, scene, grasp, angle):
+    content = scene.model_dump()
+    content["objects"]["sphere"]["pose"]["rpy"] = (math.pi / 2, 0.0, 0.0)  # its y is the world's z
+    content["tasks"]["sphere"]["approach"] = {"direction": (0.0, -1.0, 0.0), "angle": angle, "frame": "object"}
+    turned = type(scene).model_validate(content)
+    recorder = Recorder()
+    show(grasp, robot, turned, "sphere", Visualizer(window=recorder))
+    assert [c["path"] for c in recorder.commands if c["path"].endswith("approach") and c["type"] == "set_object"]
+    target = turned.objects["sphere"]
+    piece = approach.cone(target.center_of_mass_world, np.array([0.0, 0.0, 1.0]), angle)
+    points = piece.geometry.vertices @ piece.T[:3, :3].T
+    np.testing.assert_allclose(piece.T[:3, 3], target.center_of_mass_world)
+    lengths = np.linalg.norm(points, axis=1)
+    off = np.arccos(np.clip(points[lengths > 0.1, 2] / approach.LENGTH, -1.0, 1.0))
+    assert lengths.max() == pytest.approx(approach.LENGTH)
+    assert off.max() == pytest.approx(angle, abs=1e-3)
+    assert "cone of approach directions" in colors.legend(regions=False, approach=True)
