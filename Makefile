@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow lint benchmark clean
+.PHONY: demo test test-slow lint benchmark paper clean
 
 demo: $(STAMP)
 	$(BIN)/pinograsp plan scenes/glovebox.yaml --task sphere --starts 1304 --seed 0
@@ -23,6 +23,10 @@ lint: $(STAMP)
 
 benchmark: $(STAMP)
 	$(BIN)/python tools/benchmark.py
+
+# Goes on where it was interrupted; what is in out/paper/results already is not computed again.
+paper: $(STAMP)
+	$(BIN)/python tools/reproduce_paper.py out/paper --alternative --sweep --compare --algorithms
 
 $(STAMP): pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -47,7 +47,8 @@ SIZES |= {"force_cost": 1, "unbalanced_wrench": 1, "approach": 1}
 @functools.cache
 def random_starts(model: TaskModel, count: int, seed: int) -> Array:
     """Return postures free of collision with the wrist near the object, the hand opened for the desired points."""
-    robot, synergies = model.robot, preshape(model.robot, model.desired_points)
+    normals = -model.object_surface(model.desired_points)[1]
+    robot, synergies = model.robot, preshape(model.robot, model.desired_points, normals)
     low, high = np.maximum(robot.lower[:-1], -math.pi), np.minimum(robot.upper[:-1], math.pi)
     q = np.random.default_rng(seed).uniform(low, high, (30_000, len(low)))
     clearance = BatchClearance(robot, model.scene, model.task.margin, synergies)
@@ -405,7 +406,8 @@ def test_widest_jaw_of_the_toy_is_the_sum_of_its_strokes(toy: RobotModel) -> Non
 
 @pytest.mark.parametrize("apart", [0.0, 0.03, 0.0746, 0.2])
 def test_preshape_holds_the_pads_as_far_apart_as_the_points(gen3: RobotModel, apart: float) -> None:
-    chosen = preshape(gen3, np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]]))
+    points, normals = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]]), np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+    chosen = preshape(gen3, points, normals)
     widths = {float(s[0]): np.linalg.norm(pads.points[0] - pads.points[1]) for s, pads in synergy_postures(gen3)}
     assert min(widths) == 0.0
     assert max(widths) == pytest.approx(0.8)

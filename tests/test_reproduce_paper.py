@@ -309,7 +309,8 @@ def test_simple_way_runs(ball_session: Session, result: pinograsp.Result, monkey
     assert isinstance(table, Table)
     ways = [row[2] for row in table.rows]
     assert ways == [
-        *("centres on the desired points", "centres or tips there", "centres or tips on a grid", "optimisation")
+        *("centres on the desired points", "centres or tips there", "centres or tips on a grid"),
+        "optimisation, 4 starts",
     ]
     assert table.rows[0][3:5] == ("1", "8")
 

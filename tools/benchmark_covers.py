@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import coal
 import numpy as np
 
 import pinograsp
@@ -28,6 +27,7 @@ from pinograsp.models import BatchClearance, RobotModel, forward, hand_opening
 from pinograsp.models.collision_elements import CollisionElement, collision_elements
 from pinograsp.models.cover_cache import mesh_cover, read_triangles
 from pinograsp.models.hulls import Hull, boundary
+from pinograsp.models.mesh_surface import MeshSurface
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near
 
@@ -65,15 +65,8 @@ def excess(pieces: Sequence[Array], triangles: Array, samples: int = SAMPLES) ->
         triangles: of the mesh, shape (n, 3, 3).
         samples: points before those within another piece are taken out.
     """
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(triangles), 3 * len(triangles))
-    tree.addVertices(triangles.reshape(-1, 3))
-    tree.addTriangles(np.arange(3 * len(triangles)).reshape(-1, 3))
-    tree.endModel()
-    point, request, here = coal.Sphere(1e-9), coal.DistanceRequest(), coal.Transform3s()
     points, _ = boundary([Hull(vertices) for vertices in pieces], samples)
-    there = [coal.Transform3s(np.eye(3), position) for position in points]
-    return np.array([max(0.0, coal.distance(tree, here, point, at, request, coal.DistanceResult())) for at in there])
+    return MeshSurface(triangles).distances(points)
 
 
 def figures(robot: RobotModel) -> None:

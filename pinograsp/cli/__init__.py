@@ -1,4 +1,4 @@
-"""The command line: `pinograsp plan | database | list | schema`."""
+"""The command line: `pinograsp plan | robot | database | list | schema`."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from ..solve import SolverOptions
 from ..solve.local import Algorithm
 from .database import app as database_app
 from .progress_bar import ProgressBar
+from .robot import app as robot_app
 
 NOTHING_FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -43,6 +44,7 @@ def _commands() -> None:
 
 
 app.add_typer(database_app, name="database")
+app.add_typer(robot_app, name="robot")
 
 
 @app.command("plan")

@@ -28,7 +28,7 @@ from .robot import RobotModel
 from .without_srdf import excused_links
 
 Kind = Literal["enclosure", "object", "self"]
-REACH = 0.05
+REACH = 0.03
 """Pairs farther apart than this, beyond their margin, are not measured, m."""
 
 
@@ -174,12 +174,15 @@ class CollisionModel:
         object is zero at every grasp with the gradient of the contact condition: as one more inequality it
         would only make the problem degenerate.
         """
-        if not isinstance(solid.shape, coal.ConvexBase):
+        if isinstance(solid.shape, coal.Sphere):
+            points, around = solid.placement[None, :3, 3], float(solid.shape.radius)
+        elif isinstance(solid.shape, coal.ConvexBase):
+            points, around = np.array(solid.shape.points()) @ solid.placement[:3, :3].T + solid.placement[:3, 3], 0.0
+        else:
             return False
-        points = np.array(solid.shape.points()) @ solid.placement[:3, :3].T + solid.placement[:3, 3]
         return any(
             pad.joint == solid.joint
             and pad.description.link == solid.name
-            and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) < 2e-6
+            and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < 2e-6
             for pad in self._robot.pads
         )

@@ -80,7 +80,7 @@ def _unreadable(mesh: Path, error: Exception) -> InputError:
 def _load(file: Path) -> Pieces | None:
     """Return what a file holds, or None if it is not there or of no use."""
     try:
-        with np.load(file) as data:
+        with file.open("rb") as stream, np.load(stream) as data:
             return tuple(np.split(data["vertices"].reshape(-1, 3), data["ends"][:-1]))
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
         return None

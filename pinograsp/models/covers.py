@@ -33,6 +33,7 @@ from threadpoolctl import threadpool_limits
 
 from ..arrays import Array, Indices
 from .hulls import FlatError, Hull, areas, boundary, spread
+from .mesh_surface import MeshSurface
 
 VERSION = 3
 """Of the algorithm; to be raised with every change that gives other pieces."""
@@ -44,8 +45,6 @@ _CELLS = 64
 """Cells along the diagonal of a part in each of which its vertices become one, for the search."""
 _PLACES = 3
 _PATTERN_STEPS = 10
-_LEAST_GAIN = 0.1
-"""Share of a part's excess that a cut must take away to be worth a piece."""
 
 
 class _Plane(NamedTuple):
@@ -78,45 +77,35 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
     if pieces == 1:
         return [whole.hull.vertices]
     parts = [whole]
-    finished: list[_Part] = []
-    # Threads cost more than they give on matrices this small.
+    surface = MeshSurface(triangles)
+    samples = cKDTree(spread(triangles, areas(triangles), _SURFACE_SAMPLES))
+    # Threads cost more than they give on matrices as small as those of the search.
     with threadpool_limits(1):
-        surface = cKDTree(spread(triangles, areas(triangles), _SURFACE_SAMPLES))
-        while len(parts) + len(finished) < pieces:
-            worst = _worst(parts, [part.hull for part in finished], surface, tolerance)
+        while len(parts) < pieces:
+            worst = _worst(parts, surface, tolerance)
             if worst is None:
                 break
-            part = parts.pop(worst)
-            halves = _cut(part, [other.hull for other in parts + finished], surface, triangles)
-            finished += [] if halves else [part]
-            parts += halves
-    return [part.hull.vertices for part in parts + finished]
+            plane = _best_plane(_Trial(parts[worst], samples))
+            try:
+                parts[worst : worst + 1] = _cut(parts[worst], plane, triangles)
+            except FlatError:
+                break
+    return [part.hull.vertices for part in parts]
 
 
-def _worst(parts: Sequence[_Part], around: Sequence[Hull], surface: Any, tolerance: float) -> int | None:
+def _worst(parts: Sequence[_Part], surface: MeshSurface, tolerance: float) -> int | None:
     """Return the part with the largest excess of those that exceed the tolerance."""
-    if not parts:
-        return None
-    points, owners = boundary([part.hull for part in parts], _EXCESS_SAMPLES, around)
-    # Distances to samples of the surface are too large, if anything.
-    distances = surface.query(points)[0]
+    points, owners = boundary([part.hull for part in parts], _EXCESS_SAMPLES)
+    distances = surface.distances(points)
     excesses = [distances[owners == k] for k in range(len(parts))]
     sums = [float(np.square(d).sum()) if len(d) and np.percentile(d, 95) > tolerance else 0.0 for d in excesses]
     return int(np.argmax(sums)) if max(sums) > 0.0 else None
 
 
-def _cut(part: _Part, around: Sequence[Hull], surface: Any, mesh: Array) -> list[_Part]:
-    """Return the two parts that the best cut gives; none if it is not worth it."""
-    trial = _Trial(part.triangles, around, surface)
-    least, plane = _best_plane(trial)
-    if least > (1.0 - _LEAST_GAIN) * trial.before():
-        return []
+def _cut(part: _Part, plane: _Plane, mesh: Array) -> list[_Part]:
     below, above = clip(part.triangles, *plane)
     opposite = _Plane(-plane.normal, -plane.offset)
-    try:
-        return [_part(below, (*part.planes, plane), mesh), _part(above, (*part.planes, opposite), mesh)]
-    except FlatError:
-        return []
+    return [_part(below, (*part.planes, plane), mesh), _part(above, (*part.planes, opposite), mesh)]
 
 
 def _part(triangles: Array, planes: tuple[_Plane, ...], mesh: Array) -> _Part:
@@ -184,25 +173,22 @@ def _winding_number(triangles: Array, point: Array) -> float:
 
 
 class _Trial:
-    """Estimates of a part's excess before and after a cut.
+    """Estimates of what a cut of a part leaves of the excess.
+
+    What lies along the part's planes counts as within the other parts.
 
     Args:
-        triangles: of the part, shape (n, 3, 3).
-        around: hulls of the other parts.
-        surface: tree of points on the mesh.
+        part: the part.
+        samples: tree of points on the mesh.
     """
 
-    def __init__(self, triangles: Array, around: Sequence[Hull], surface: Any) -> None:
-        self.vertices, self._edges = _clustered(triangles)
-        self._around = around
-        self._surface = surface
+    def __init__(self, part: _Part, samples: Any) -> None:
+        self.vertices, self._edges, self._cell = _clustered(part.triangles)
+        self._planes = part.planes
+        self._samples = samples
 
-    def before(self) -> float:
-        """Return the excess of the part as it is, m^4."""
-        return self._excess([self.vertices])
-
-    def after(self, plane: _Plane) -> float:
-        """Return the excess of the two parts that a cut gives, m^4; infinite if one of them is flat."""
+    def __call__(self, plane: _Plane) -> float:
+        """Return the excess of the two parts, m^4; infinite if one of them is flat."""
         heights = self.vertices @ plane.normal - plane.offset
         first, second = heights[self._edges].T
         crossing = (first < 0.0) != (second < 0.0)
@@ -210,16 +196,15 @@ class _Trial:
         start, end = self.vertices[self._edges[crossing]].transpose(1, 0, 2)
         section = start + (first / (first - second))[:, None] * (end - start)
         sides = heights <= 0.0, heights >= 0.0
-        return self._excess([np.concatenate([self.vertices[side], section]) for side in sides])
-
-    def _excess(self, clouds: Sequence[Array]) -> float:
         try:
-            hulls = [Hull(_farthest(points)) for points in clouds]
+            hulls = [Hull(_farthest(np.concatenate([self.vertices[side], section]))) for side in sides]
         except FlatError:
             return np.inf
-        points, _ = boundary(hulls, _TRIAL_SAMPLES, self._around)
-        area = sum(hull.areas.sum() for hull in hulls)
-        return float(np.square(self._surface.query(points)[0]).sum() * area / _TRIAL_SAMPLES)
+        facets, sizes = (np.concatenate([getattr(hull, key) for hull in hulls]) for key in ("triangles", "areas"))
+        points = spread(facets, sizes, _TRIAL_SAMPLES)
+        normals, offsets = (np.array(values) for values in zip(*self._planes, plane, strict=True))
+        outer = points[(np.abs(points @ normals.T - offsets) > self._cell).all(axis=1)]
+        return float(np.square(self._samples.query(outer)[0]).sum() * sizes.sum() / _TRIAL_SAMPLES)
 
 
 def _farthest(points: Array) -> Array:
@@ -227,21 +212,21 @@ def _farthest(points: Array) -> Array:
     return points[np.unique((_FAN @ points.T).argmax(axis=1))] if len(points) else points
 
 
-def _clustered(triangles: Array) -> tuple[Array, Indices]:
-    """Return one vertex of each small cell of space, shape (n, 3), and the edges between them, shape (m, 2)."""
+def _clustered(triangles: Array) -> tuple[Array, Indices, float]:
+    """Return one vertex of each small cell of space, shape (n, 3), the edges between them, shape (m, 2), and its size."""
     points = triangles.reshape(-1, 3)
-    extents = np.ptp(points, axis=0)
-    cells = ((points - points.min(axis=0)) / (np.linalg.norm(extents) / _CELLS)).astype(np.int64)
+    size = float(np.linalg.norm(np.ptp(points, axis=0))) / _CELLS
+    cells = ((points - points.min(axis=0)) / size).astype(np.int64)
     _, chosen, cluster = np.unique(cells @ [1, 2 * _CELLS, 4 * _CELLS**2], return_index=True, return_inverse=True)
     corners = cluster.reshape(-1, 3)
     ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     low, high = np.minimum(*ends), np.maximum(*ends)
     edges = np.unique((low * len(chosen) + high)[low < high])
-    return points[chosen], np.column_stack(np.divmod(edges, len(chosen)))
+    return points[chosen], np.column_stack(np.divmod(edges, len(chosen))), size
 
 
-def _best_plane(trial: _Trial) -> tuple[float, _Plane]:
-    """Return the least excess found, m^4, and the plane whose cut leaves it."""
+def _best_plane(trial: _Trial) -> _Plane:
+    """Return the plane that leaves the least excess of those that are tried."""
     places = np.arange(1, _PLACES + 1) / (_PLACES + 1)
     heights = [trial.vertices @ normal for normal in _LATTICE]
     planes = [
@@ -249,15 +234,15 @@ def _best_plane(trial: _Trial) -> tuple[float, _Plane]:
         for normal, h in zip(_LATTICE, heights, strict=True)
         for place in places
     ]
-    values = [trial.after(plane) for plane in planes]
+    values = [trial(plane) for plane in planes]
     best = int(np.argmin(values))
     shift = float(np.ptp(trial.vertices @ planes[best].normal)) / (2 * (_PLACES + 1))
-    return _pattern_search(trial.after, planes[best], values[best], shift, trial.vertices.mean(axis=0))
+    return _pattern_search(trial, planes[best], values[best], shift, trial.vertices.mean(axis=0))
 
 
 def _pattern_search(
     excess: Callable[[_Plane], float], plane: _Plane, least: float, shift: float, middle: Array
-) -> tuple[float, _Plane]:
+) -> _Plane:
     """Turn and shift a plane, each time to the first better one; where there is none, with half the step."""
     turn = 0.25
     for _ in range(_PATTERN_STEPS):
@@ -273,7 +258,7 @@ def _pattern_search(
                 break
         else:
             turn, shift = 0.5 * turn, 0.5 * shift
-    return least, plane
+    return plane
 
 
 def _turned(plane: _Plane, change: Array, middle: Array) -> _Plane:

@@ -1,66 +1,135 @@
-"""What the hand alone can do: how far it opens, and how far apart to hold the pads before a grasp."""
+"""What the hand alone can do: how far it opens, and how to hold the pads before a grasp."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from ..arrays import Array
-from .kinematics import ContactKinematics, contact_kinematics, forward
+from ..descriptions.patches import LinePatch, PlanePatch
+from .patches import patch_point
 from .robot import RobotModel
 
 GRID = 17
 """Values per synergy that are tried."""
+DRAWS = 1000
+"""Random postures that are tried of a hand of more than two synergies, for which a grid has too many."""
+DIRECTION = 0.02
+"""What a pad that points the wrong way counts as, m per rad."""
 
 
-def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, ContactKinematics]]:
-    """Yield synergies sigma over a grid of their limits, with the pads' centres; the arm at mid-range."""
-    data = robot.model.createData()
-    middle = 0.5 * (robot.lower + robot.upper)
-    limits = zip(robot.lower[robot.arm_size :], robot.upper[robot.arm_size :], strict=True)
-    centers = robot.parameter_limits.mean(axis=1)
-    for sigma in itertools.product(*(np.linspace(low, high, GRID) for low, high in limits)):
-        posture = middle.copy()
-        posture[robot.arm_size :] = sigma
-        yield np.array(sigma), contact_kinematics(forward(robot, data, posture), centers)
+class Pads(NamedTuple):
+    """The middles of all pads, with the arm at mid-range."""
+
+    points: Array
+    """World, m, shape (n, 3)."""
+    normals: Array
+    """Outward, shape (n, 3)."""
 
 
-def preshape(robot: RobotModel, desired_points: Array) -> Array:
-    """Return the synergies that hold the pads as far apart as the desired points, as nearly as they can.
+def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, Pads]]:
+    """Yield synergies sigma within the limits, with the pads: on a grid, or at random if there are many synergies."""
+    hold = _holder(robot)
+    lower, upper = robot.lower[robot.arm_size :], robot.upper[robot.arm_size :]
+    if len(lower) <= 2:
+        tried = np.array(
+            list(itertools.product(*(np.linspace(*ends, GRID) for ends in zip(lower, upper, strict=True))))
+        )
+    else:
+        tried = np.random.default_rng(0).uniform(lower, upper, (DRAWS, len(lower)))
+    for sigma in tried:
+        if _allowed(robot, sigma):
+            yield sigma, hold(sigma)
+
+
+def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array) -> Array:
+    """Return the synergies that hold the pads as the desired contacts lie to each other, as nearly as they can.
 
     Args:
         robot: the robot.
         desired_points: m, shape (n, 3).
+        inward_normals: of the object there, shape (n, 3).
     """
-    wanted = _spread(desired_points)
-    return min(
-        ((sigma, _spread(pads.points)) for sigma, pads in synergy_postures(robot)),
-        key=lambda found: float(np.abs(found[1] - wanted).sum()),
-    )[0]
+    return _best(robot, lambda pads: _misfit(pads, desired_points, inward_normals))
 
 
 def hand_opening(robot: RobotModel) -> Array:
     """Return the synergies that hold the pads farthest apart, shape (s,)."""
-    return max(
-        ((sigma, float(_spread(pads.points).sum())) for sigma, pads in synergy_postures(robot)),
-        key=lambda found: found[1],
-    )[0]
+    return _best(robot, lambda pads: -float(_distances(pads.points).sum()))
 
 
 def widest_jaw(robot: RobotModel) -> float | None:
-    """Return the greatest distance between two pads that face each other, m; None if no two ever do."""
+    """Return the greatest distance between two flat pads that face each other, m; None if no two ever do."""
     widest: float | None = None
-    for _, pads in synergy_postures(robot):
-        for i, j in itertools.combinations(range(len(pads.points)), 2):
+    flat = [i for i, pad in enumerate(robot.pads) if isinstance(pad.patch, PlanePatch | LinePatch)]
+    for _, pads in synergy_postures(robot) if len(flat) > 1 else ():
+        for i, j in itertools.combinations(flat, 2):
             if pads.normals[i] @ pads.normals[j] < -0.99:
                 gap = float((pads.points[j] - pads.points[i]) @ pads.normals[i])
                 widest = gap if widest is None else max(widest, gap)
     return widest
 
 
-def _spread(points: Array) -> Array:
-    """Return the distances between all pairs of points, ascending."""
-    pairs = itertools.combinations(points, 2)
-    return np.sort([float(np.linalg.norm(a - b)) for a, b in pairs])
+def _best(robot: RobotModel, loss: Callable[[Pads], float]) -> Array:
+    """Return the synergies of least loss: of `synergy_postures`, and where these are random of lines from the best."""
+    least, best = min(
+        ((loss(pads), tuple(sigma)) for sigma, pads in synergy_postures(robot)), key=lambda found: found[0]
+    )
+    sigma, hold = np.array(best), _holder(robot)
+    lower, upper = robot.lower[robot.arm_size :], robot.upper[robot.arm_size :]
+    for k in 2 * list(range(len(sigma))) if len(sigma) > 2 else ():
+        for value in np.linspace(lower[k], upper[k], GRID):
+            trial = sigma.copy()
+            trial[k] = value
+            if _allowed(robot, trial) and (tried := loss(hold(trial))) < least - 1e-9:
+                least, sigma = tried, trial
+    return sigma
+
+
+def _allowed(robot: RobotModel, sigma: Array) -> bool:
+    """Whether joints that several synergies move are within their limits."""
+    shared = robot.shared_joints
+    lower, upper = robot.joint_limits
+    q = robot.B[shared, robot.arm_size :] @ sigma + robot.q_0[shared]
+    return bool((q >= lower[shared]).all() and (q <= upper[shared]).all())
+
+
+def _holder(robot: RobotModel) -> Callable[[Array], Pads]:
+    """Return the function that places the pads, given synergies."""
+    data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
+    middles = robot.parameter_limits.mean(axis=1)
+    local = [patch_point(pad.patch, middles[pad.parameters]) for pad in robot.pads]
+
+    def hold(sigma: Array) -> Pads:
+        posture[robot.arm_size :] = sigma
+        pin.forwardKinematics(robot.model, data, robot.joint_positions(posture))
+        poses = [data.oMi[pad.joint] for pad in robot.pads]
+        points, normals = np.empty((2, len(poses), 3))
+        for i, (T, pad, at) in enumerate(zip(poses, robot.pads, local, strict=True)):
+            points[i] = T.rotation @ (pad.rotation @ at.point + pad.translation) + T.translation
+            normals[i] = T.rotation @ (pad.rotation @ at.normal)
+        return Pads(points, normals)
+
+    return hold
+
+
+def _distances(points: Array) -> Array:
+    """Return the distances between all pairs of points."""
+    return np.array([float(np.linalg.norm(a - b)) for a, b in itertools.combinations(points, 2)])
+
+
+def _misfit(pads: Pads, points: Array, normals: Array) -> float:
+    """Return how far the pads are from contacts, moved rigidly to where they fit best (Kabsch), squared, m^2."""
+    held = np.concatenate([pads.points - pads.points.mean(axis=0), DIRECTION * pads.normals])
+    wanted = np.concatenate([points - points.mean(axis=0), DIRECTION * normals])
+    count, least = len(points), np.inf
+    for order in itertools.permutations(range(count)):
+        there = wanted[[*order, *(count + i for i in order)]]
+        U, sizes, Vt = np.linalg.svd(held.T @ there)
+        overlap = sizes[0] + sizes[1] + np.sign(np.linalg.det(U) * np.linalg.det(Vt)) * sizes[2]
+        least = min(least, float((held**2).sum() + (there**2).sum() - 2.0 * overlap))
+    return least

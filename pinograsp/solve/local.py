@@ -20,7 +20,7 @@ from .projection import Projection, beginnings, nearest_assignment
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-ROUND = 40
+ROUND = 30
 """Evaluations of a round within a box."""
 GAIN = 1e-3
 """Part of the cost that a round must gain for another one."""

@@ -34,7 +34,7 @@ def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> 
         q = np.vstack([q, wider.q[~np.isin(wider.samples, found.samples)]])[:count]
     for i in _turning(model).values():
         q[:, i] -= TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / TURN)
-    synergies = preshape(model.robot, model.desired_points)
+    synergies = preshape(model.robot, model.desired_points, -model.object_surface(model.desired_points)[1])
     return np.column_stack([q, np.tile(synergies, (len(q), 1))])
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from ..descriptions import RobotDescription
+from ..descriptions.robot import Composition
 from ..errors import InputError
 
 Array = NDArray[np.float64]
@@ -46,9 +46,9 @@ class LinkMesh:
         """
         normals, offsets = self.hull_faces
         candidates = points[(points @ normals.T <= offsets).all(axis=1)]
-        return any(abs(self._winding_number(point)) > 0.5 for point in candidates)
+        return any(abs(self.winding_number(point)) > 0.5 for point in candidates)
 
-    def _winding_number(self, point: Array) -> float:
+    def winding_number(self, point: Array) -> float:
         """Sum of the solid angles of all triangles over 4 pi (van Oosterom and Strackee 1983)."""
         a, b, c = (self.triangles - point).transpose(1, 0, 2)
         la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
@@ -58,7 +58,7 @@ class LinkMesh:
         return float(angles.sum() / (4 * np.pi))
 
 
-def read_meshes(urdf: Any, robot: RobotDescription) -> dict[str, LinkMesh]:
+def read_meshes(urdf: Any, robot: Composition) -> dict[str, LinkMesh]:
     """Read the collision geometry of every link that has any.
 
     Raises:
@@ -71,7 +71,7 @@ def read_meshes(urdf: Any, robot: RobotDescription) -> dict[str, LinkMesh]:
     }
 
 
-def _placed(collision: Any, link: str, robot: RobotDescription) -> Any:
+def _placed(collision: Any, link: str, robot: Composition) -> Any:
     """Return one `<collision>` as a mesh in the link frame."""
     geometry = collision.geometry
     if geometry.mesh is not None:

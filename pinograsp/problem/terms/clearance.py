@@ -18,7 +18,7 @@ from ...models.collision import REACH, Pair
 from ..state import State, TaskModel
 from .residual import Residual
 
-NEAR = 0.025
+NEAR = 0.015
 """What a distance has above its margin enters unchanged below this, m."""
 SMOOTHING = 0.0003
 """rho of the smooth minimum, m: it lies at most rho log(pairs) below the minimum."""
