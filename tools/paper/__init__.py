@@ -1,0 +1,1 @@
+"""What `tools/reproduce_paper.py` runs, compares and writes."""
