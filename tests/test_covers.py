@@ -133,13 +133,13 @@ def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
     data, rng = gen3.model.createData(), np.random.default_rng(3)
     folded = 0.9 * gen3.upper
     compared, gains = 0, []
-    for link in ["shoulder_link", "half_arm_1_link", "half_arm_2_link", "forearm_link", "spherical_wrist_2_link"]:
+    for link in 2 * ["shoulder_link", "half_arm_1_link", "half_arm_2_link", "forearm_link", "spherical_wrist_2_link"]:
         at = forward(gen3, data, folded + rng.uniform(-0.3, 0.0, gen3.posture_size))
         frame = gen3.model.frames[gen3.model.getFrameId(link, pin.BODY)]
         R, p = at.rotations[frame.parentJoint], at.translations[frame.parentJoint]
         center = frame.placement.act(meshes[link][1].reshape(-1, 3).mean(axis=0))
         away = rng.normal(size=3)
-        scene = with_object_at(glovebox, R @ center + p + 0.09 * away / np.linalg.norm(away))
+        scene = with_object_at(glovebox, R @ center + p + 0.1 * away / np.linalg.norm(away))
         models = [CollisionModel(robot, scene, scene.task("sphere")) for robot in (gen3_hulls, gen3)]
         of_hulls, of_pieces = (least_by_links(model, at) for model in models)
         assert of_hulls.keys() == of_pieces.keys()
@@ -227,6 +227,20 @@ def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(
         assert batch.measure(np.array([[1.4]]))[0].tolist() == kept
 
 
+def test_what_is_behind_the_pad_is_not_kept_off_the_object(
+    make_toy: RobotFactory, make_toy_scene: SceneFactory
+) -> None:
+    """A finger with a hook at its end: its pad is the plane x = 0, before which only the hook stands."""
+    finger = '<origin xyz="0.005 0 0.02"/><geometry><box size="0.01 0.02 0.04"/></geometry>'
+    hook = '<origin xyz="-0.005 0 0.045"/><geometry><box size="0.03 0.02 0.01"/></geometry>'
+    robot = make_toy(TOY_URDF.replace(finger, f"{finger}</collision><collision>{hook}"))
+    scene = make_toy_scene()
+    model = CollisionModel(robot, scene, scene.task("ball"))
+    left = [i for i, solid in enumerate(robot_solids(robot)) if solid.name == "left"]
+    assert len(left) == 2
+    assert [pair.first for pair in model.pairs if pair.kind == "object" and pair.link == "left"] == left[1:]
+
+
 # ---- other shapes
 
 
@@ -262,14 +276,14 @@ def bent(shape: str, long: float, wide: float, thick: float) -> tuple[Array, Arr
     return prism(outline, faces, wide), inside
 
 
-@settings(max_examples=9)
+@settings(max_examples=8)
 @given(
     shape=st.sampled_from(["L", "U", "torus"]),
     long=st.floats(0.1, 0.3),
     wide=st.floats(0.01, 0.2),
     thick=st.floats(0.01, 0.03),
     turn=st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
-    pieces=st.integers(2, 5),
+    pieces=st.integers(2, 4),
 )
 def test_pieces_contain_a_bent_body_and_what_is_inside(
     shape: str, long: float, wide: float, thick: float, turn: list[float], pieces: int

@@ -97,7 +97,8 @@ class CollisionModel:
         self._moving, self._moving_radii = moving, radii[moving]
         self._wall_normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
         self._wall_offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
-        self._pair_radii = radii[first[self._to_walls :]] + radii[second[self._to_walls :]]
+        self._apart = first[self._to_walls :], second[self._to_walls :]
+        self._pair_radii = radii[self._apart[0]] + radii[self._apart[1]]
         self._request = distance_request()
 
     def distances(self, configuration: Configuration) -> Distances:
@@ -115,8 +116,9 @@ class CollisionModel:
         bounds = np.empty(len(self.pairs))
         to_walls = centers[self._moving] @ self._wall_normals.T - self._wall_offsets - self._moving_radii[:, None]
         bounds[: self._to_walls] = to_walls.ravel()
-        apart = centers[self._first[self._to_walls :]] - centers[self._second[self._to_walls :]]
-        bounds[self._to_walls :] = np.sqrt((apart * apart).sum(axis=1)) - self._pair_radii
+        # `take` and `einsum` because they need a third of the time of indexing and summing.
+        apart = centers.take(self._apart[0], axis=0) - centers.take(self._apart[1], axis=0)
+        bounds[self._to_walls :] = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - self._pair_radii
         return bounds
 
     def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:

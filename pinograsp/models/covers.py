@@ -15,7 +15,7 @@ Pieces lie on different sides of some plane, so that none contains another.
 
 Cuts are made one after the other in the part with the largest excess: the integral of the squared distance to the
 mesh over that part's share of the outer boundary of all pieces. (A volume would count the hollow inside a shell.) The
-plane is sought among 13 directions in three places each and then by a pattern search, on clustered vertices and on
+plane is sought among 9 directions in three places each and then by a pattern search, on clustered vertices and on
 hulls of the few vertices that are farthest along fixed directions. Such estimates decide where to cut, never what the
 pieces are.
 """
@@ -35,16 +35,16 @@ from ..arrays import Array, Indices
 from .hulls import FlatError, Hull, areas, boundary, spread
 from .mesh_surface import MeshSurface
 
-VERSION = 3
+VERSION = 6
 """Of the algorithm; to be raised with every change that gives other pieces."""
 
-_SURFACE_SAMPLES = 20_000
-_EXCESS_SAMPLES = 2000
+_SURFACE_SAMPLES = 8000
+_EXCESS_SAMPLES = 1000
 _TRIAL_SAMPLES = 150
 _CELLS = 64
 """Cells along the diagonal of a part in each of which its vertices become one, for the search."""
 _PLACES = 3
-_PATTERN_STEPS = 10
+_PATTERN_STEPS = 7
 
 
 class _Plane(NamedTuple):
@@ -85,7 +85,8 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
             worst = _worst(parts, surface, tolerance)
             if worst is None:
                 break
-            plane = _best_plane(_Trial(parts[worst], samples))
+            others = [part.hull for k, part in enumerate(parts) if k != worst]
+            plane = _best_plane(_Trial(parts[worst].triangles, others, samples))
             try:
                 parts[worst : worst + 1] = _cut(parts[worst], plane, triangles)
             except FlatError:
@@ -175,16 +176,15 @@ def _winding_number(triangles: Array, point: Array) -> float:
 class _Trial:
     """Estimates of what a cut of a part leaves of the excess.
 
-    What lies along the part's planes counts as within the other parts.
-
     Args:
-        part: the part.
+        triangles: of the part, shape (n, 3, 3).
+        others: hulls of the other parts.
         samples: tree of points on the mesh.
     """
 
-    def __init__(self, part: _Part, samples: Any) -> None:
-        self.vertices, self._edges, self._cell = _clustered(part.triangles)
-        self._planes = part.planes
+    def __init__(self, triangles: Array, others: Sequence[Hull], samples: Any) -> None:
+        self.vertices, self._edges = _clustered(triangles)
+        self._others = others
         self._samples = samples
 
     def __call__(self, plane: _Plane) -> float:
@@ -196,15 +196,16 @@ class _Trial:
         start, end = self.vertices[self._edges[crossing]].transpose(1, 0, 2)
         section = start + (first / (first - second))[:, None] * (end - start)
         sides = heights <= 0.0, heights >= 0.0
+        return self._excess([np.concatenate([self.vertices[side], section]) for side in sides])
+
+    def _excess(self, clouds: Sequence[Array]) -> float:
         try:
-            hulls = [Hull(_farthest(np.concatenate([self.vertices[side], section]))) for side in sides]
+            hulls = [Hull(_farthest(points)) for points in clouds]
         except FlatError:
             return np.inf
-        facets, sizes = (np.concatenate([getattr(hull, key) for hull in hulls]) for key in ("triangles", "areas"))
-        points = spread(facets, sizes, _TRIAL_SAMPLES)
-        normals, offsets = (np.array(values) for values in zip(*self._planes, plane, strict=True))
-        outer = points[(np.abs(points @ normals.T - offsets) > self._cell).all(axis=1)]
-        return float(np.square(self._samples.query(outer)[0]).sum() * sizes.sum() / _TRIAL_SAMPLES)
+        points, _ = boundary(hulls, _TRIAL_SAMPLES, self._others)
+        area = sum(hull.areas.sum() for hull in hulls)
+        return float(np.square(self._samples.query(points)[0]).sum() * area / _TRIAL_SAMPLES)
 
 
 def _farthest(points: Array) -> Array:
@@ -212,17 +213,17 @@ def _farthest(points: Array) -> Array:
     return points[np.unique((_FAN @ points.T).argmax(axis=1))] if len(points) else points
 
 
-def _clustered(triangles: Array) -> tuple[Array, Indices, float]:
-    """Return one vertex of each small cell of space, shape (n, 3), the edges between them, shape (m, 2), and its size."""
+def _clustered(triangles: Array) -> tuple[Array, Indices]:
+    """Return one vertex of each small cell of space, shape (n, 3), and the edges between them, shape (m, 2)."""
     points = triangles.reshape(-1, 3)
-    size = float(np.linalg.norm(np.ptp(points, axis=0))) / _CELLS
-    cells = ((points - points.min(axis=0)) / size).astype(np.int64)
+    extents = np.ptp(points, axis=0)
+    cells = ((points - points.min(axis=0)) / (np.linalg.norm(extents) / _CELLS)).astype(np.int64)
     _, chosen, cluster = np.unique(cells @ [1, 2 * _CELLS, 4 * _CELLS**2], return_index=True, return_inverse=True)
     corners = cluster.reshape(-1, 3)
     ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     low, high = np.minimum(*ends), np.maximum(*ends)
     edges = np.unique((low * len(chosen) + high)[low < high])
-    return points[chosen], np.column_stack(np.divmod(edges, len(chosen))), size
+    return points[chosen], np.column_stack(np.divmod(edges, len(chosen)))
 
 
 def _best_plane(trial: _Trial) -> _Plane:
@@ -270,8 +271,8 @@ def _turned(plane: _Plane, change: Array, middle: Array) -> _Plane:
 
 
 def _lattice() -> Array:
-    """Return the directions to the neighbours in a cubic lattice, one of two opposite ones, shape (13, 3)."""
-    ahead = [step for step in product((-1.0, 0.0, 1.0), repeat=3) if step > (0.0, 0.0, 0.0)]
+    """Return the axes and the diagonals between two of them, one of two opposite directions each, shape (9, 3)."""
+    ahead = [step for step in product((-1.0, 0.0, 1.0), repeat=3) if step > (0.0, 0.0, 0.0) and 0.0 in step]
     return np.array([np.array(step) / np.linalg.norm(step) for step in ahead])
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from ..arrays import Array, Indices
@@ -41,13 +43,13 @@ class Hull:
         """Of the facets, m^2, shape (facets,)."""
         self._normals: Array = hull.equations[:, :3]
         self._offsets: Array = hull.equations[:, 3]
+        self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
-    def heights(self, points: Array) -> Array:
-        """Return how far points, shape (n, 3), are beyond the facet that they are farthest beyond, m, shape (n,).
-
-        Zero on the hull, negative within; outside at most the distance.
-        """
-        return np.asarray((points @ self._normals.T + self._offsets).max(axis=1))
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """Return which of the points, shape (n, 3), are in the hull or on it."""
+        inside: NDArray[np.bool_] = ((points >= self._low) & (points <= self._high)).all(axis=1)
+        inside[inside] = (points[inside] @ self._normals.T <= _TOUCHING - self._offsets).all(axis=1)
+        return inside
 
 
 def areas(triangles: Array) -> Array:
@@ -70,15 +72,21 @@ def spread(triangles: Array, sizes: Array, count: int) -> Array:
     Returns:
         Shape (count, 3).
     """
-    rng = np.random.default_rng(0)
+    parts, u, v = _pattern(count)
     along = sizes.cumsum()
-    # One point in each of `count` equal parts of the area.
-    chosen = np.searchsorted(along, (np.arange(count) + rng.random(count)) / count * along[-1])
-    a, b, c = triangles[np.minimum(chosen, len(triangles) - 1)].transpose(1, 0, 2)
+    chosen = np.minimum(np.searchsorted(along, parts * along[-1]), len(triangles) - 1)
+    a, b, c = triangles[chosen].transpose(1, 0, 2)
+    return np.asarray(a + u * (b - a) + v * (c - a))
+
+
+@lru_cache(maxsize=512)
+def _pattern(count: int) -> tuple[Array, Array, Array]:
+    """Return a number from each of `count` equal parts of [0, 1], and u and v with u + v <= 1, shape (count, 1)."""
+    rng = np.random.default_rng(0)
+    parts = (np.arange(count) + rng.random(count)) / count
     u, v = rng.random((2, count, 1))
     outside = u + v > 1.0
-    u, v = np.where(outside, 1.0 - u, u), np.where(outside, 1.0 - v, v)
-    return np.asarray(a + u * (b - a) + v * (c - a))
+    return parts, np.where(outside, 1.0 - u, u), np.where(outside, 1.0 - v, v)
 
 
 def boundary(hulls: Sequence[Hull], count: int, around: Sequence[Hull] = ()) -> tuple[Array, Indices]:
@@ -100,7 +108,7 @@ def boundary(hulls: Sequence[Hull], count: int, around: Sequence[Hull] = ()) -> 
     for k, (hull, number) in enumerate(zip(hulls, counts, strict=True)):
         outer = spread(hull.triangles, hull.areas, number)
         for other in [*hulls[:k], *hulls[k + 1 :], *around]:
-            outer = outer[other.heights(outer) > _TOUCHING]
+            outer = outer[~other.holds(outer)]
         points.append(outer)
         owners.append(np.full(len(outer), k))
     return np.concatenate(points), np.concatenate(owners)

@@ -96,7 +96,7 @@ class GraspProblem:
     def projection_residual(self, x: Array, wishes: float, clearances: float) -> Residual:
         """Return what a projection makes small: all constraints on geometry, as residuals, and the wish.
 
-        Gap and direction of the pads, and where they are violated region, approach, joint limits and clearances; scaled.
+        Gap and direction of the pads, and where they are violated region, approach, joint limits, clearances; scaled.
 
         Args:
             x: the point, shape (v,).

@@ -123,7 +123,7 @@ def _read_result(data: dict[str, Any]) -> Result:
         refuted=data["refuted"],
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
-        warnings=tuple(data["warnings"]),
+        warnings=tuple(data.get("warnings", ())),
         times=data["times_s"],
         provenance=data["provenance"],
     )

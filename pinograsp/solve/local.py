@@ -248,6 +248,6 @@ def _round(
         optimizer.optimize(np.clip(x / unit, box[0] / unit, box[1] / unit))
     except nlopt.RoundoffLimited:
         return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
-    except (nlopt.runtime_error, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+    except (nlopt.exception, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         return int(nlopt.FAILURE), str(error) or type(error).__name__
     return int(optimizer.last_optimize_result()), ""
