@@ -634,13 +634,13 @@ POINTS = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
 
 
 def smooth_there(shape: Shape, point: Array) -> bool:
-    """Whether the distance is smooth within 1e-4 of the point."""
+    """Whether the distance is smooth within 1e-4 of the point, and curved little enough for differences."""
     if isinstance(shape, Sphere):
-        return bool(np.linalg.norm(point) > 1e-3)
+        return bool(np.linalg.norm(point) > 1e-2)
     if isinstance(shape, Cylinder):
         rho = float(np.hypot(point[0], point[1]))
         over = np.sort([rho - shape.radius, abs(point[2]) - 0.5 * shape.height])
-        if rho < 1e-3:
+        if rho < 1e-2:
             return False
     else:
         over = np.sort(np.abs(point) - 0.5 * np.array(shape.size))
@@ -665,7 +665,7 @@ def test_derivatives_of_signed_distance(shape: Shape, point: Array) -> None:
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
 def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
-    assume(not isinstance(shape, Cylinder) or np.linalg.norm(point) > 1e-3)  # Coal errs on concentric bodies
+    assume(not isinstance(shape, Cylinder) or np.hypot(point[0], point[1]) > 1e-3)  # Coal errs on the axis
     surface = surface_of(shape)
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True

@@ -1,4 +1,7 @@
-"""What the hand alone can do: how far it opens, and how to hold the pads before a grasp."""
+"""What the hand alone can do: how far it opens, and how to hold the pads before a grasp.
+
+Synergies that move no pad, of fingers that a task does not use, are left where they are nearest to 0.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,8 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..descriptions.patches import LinePatch, PlanePatch
+from .collision import CollisionModel
+from .kinematics import forward
 from .patches import patch_point
 from .robot import RobotModel
 
@@ -20,6 +25,9 @@ DRAWS = 1000
 """Random postures that are tried of a hand of more than two synergies, for which a grid has too many."""
 DIRECTION = 0.02
 """What a pad that points the wrong way counts as, m per rad."""
+
+
+Allowed = Callable[[Array], bool]
 
 
 class Pads(NamedTuple):
@@ -34,7 +42,7 @@ class Pads(NamedTuple):
 def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, Pads]]:
     """Yield synergies sigma within the limits, with the pads: on a grid, or at random if there are many synergies."""
     hold = _holder(robot)
-    lower, upper = robot.lower[robot.arm_size :], robot.upper[robot.arm_size :]
+    lower, upper, _ = _ranges(robot)
     if len(lower) <= 2:
         tried = np.array(
             list(itertools.product(*(np.linspace(*ends, GRID) for ends in zip(lower, upper, strict=True))))
@@ -46,15 +54,30 @@ def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, Pads]]:
             yield sigma, hold(sigma)
 
 
-def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array) -> Array:
+def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array, free: Allowed | None = None) -> Array:
     """Return the synergies that hold the pads as the desired contacts lie to each other, as nearly as they can.
 
     Args:
         robot: the robot.
         desired_points: m, shape (n, 3).
         inward_normals: of the object there, shape (n, 3).
+        free: whether synergies are fine (see `hand_free`); what is not is passed over.
     """
-    return _best(robot, lambda pads: _misfit(pads, desired_points, inward_normals))
+    return _best(robot, lambda pads: _misfit(pads, desired_points, inward_normals), free)
+
+
+def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
+    """Return the function that says whether the hand keeps its links off each other, given synergies."""
+    in_hand = np.array([pair.kind == "self" and _in_hand(robot, pair.link, pair.other) for pair in collisions.pairs])
+    margins = np.array([pair.margin for pair in collisions.pairs])
+    data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
+
+    def free(sigma: Array) -> bool:
+        posture[robot.arm_size :] = sigma
+        found = collisions.distances(forward(robot, data, posture))
+        return not (in_hand[found.indices] & (found.values < margins[found.indices])).any()
+
+    return free
 
 
 def hand_opening(robot: RobotModel) -> Array:
@@ -74,20 +97,36 @@ def widest_jaw(robot: RobotModel) -> float | None:
     return widest
 
 
-def _best(robot: RobotModel, loss: Callable[[Pads], float]) -> Array:
+def _best(robot: RobotModel, loss: Callable[[Pads], float], free: Allowed | None = None) -> Array:
     """Return the synergies of least loss: of `synergy_postures`, and where these are random of lines from the best."""
-    least, best = min(
-        ((loss(pads), tuple(sigma)) for sigma, pads in synergy_postures(robot)), key=lambda found: found[0]
-    )
-    sigma, hold = np.array(best), _holder(robot)
-    lower, upper = robot.lower[robot.arm_size :], robot.upper[robot.arm_size :]
-    for k in 2 * list(range(len(sigma))) if len(sigma) > 2 else ():
+    ranked = sorted(((loss(pads), *sigma) for sigma, pads in synergy_postures(robot)), key=lambda found: found[0])
+    least, *chosen = next((found for found in ranked if free is None or free(np.array(found[1:]))), ranked[0])
+    sigma, hold = np.array(chosen), _holder(robot)
+    lower, upper, moving = _ranges(robot)
+    for k in 2 * moving if len(sigma) > 2 else ():
         for value in np.linspace(lower[k], upper[k], GRID):
             trial = sigma.copy()
             trial[k] = value
-            if _allowed(robot, trial) and (tried := loss(hold(trial))) < least - 1e-9:
+            tried = loss(hold(trial)) if _allowed(robot, trial) else np.inf
+            if tried < least - 1e-9 and (free is None or free(trial)):
                 least, sigma = tried, trial
     return sigma
+
+
+def _ranges(robot: RobotModel) -> tuple[Array, Array, list[int]]:
+    """Return the limits of the synergies, equal for those that move no pad, and which ones move one."""
+    lower, upper = robot.lower[robot.arm_size :].copy(), robot.upper[robot.arm_size :].copy()
+    moves = np.array([robot.supports[pad.joint] for pad in robot.pads]) @ np.abs(robot.B[:, robot.arm_size :])
+    still = ~moves.any(axis=0)
+    lower[still] = upper[still] = np.clip(0.0, lower[still], upper[still])
+    return lower, upper, np.flatnonzero(~still).tolist()
+
+
+def _in_hand(robot: RobotModel, first: str, second: str) -> bool:
+    """Whether nothing but the hand's joints moves two links against each other."""
+    joints = [robot.model.frames[robot.model.getFrameId(link, pin.BODY)].parentJoint for link in (first, second)]
+    relative = np.flatnonzero(robot.supports[joints[0]] != robot.supports[joints[1]])
+    return bool(np.isin(relative, robot.hand_joints).all())
 
 
 def _allowed(robot: RobotModel, sigma: Array) -> bool:

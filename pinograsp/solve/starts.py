@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..database import Cone, Configurations, Database, spread_selection
-from ..models import preshape
+from ..models import hand_free, preshape
 from ..problem import TaskModel
 
 SLACK = 0.6
@@ -23,9 +23,9 @@ def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> 
     """Return up to `count` postures (q_a, sigma), shape (found, l + s), spread over the task's region.
 
     Configurations within the task's cone of approach directions and its joint ranges come first; if they are too few,
-    others that miss these by little fill up. Joints are moved by whole turns into their range. The hand is open as wide
-    as the desired points are apart. As in the paper the object itself does not count as an obstacle: starts belong to
-    robot and enclosure.
+    others that miss these by little fill up. Joints are moved by whole turns into their range. The hand holds
+    its pads as the desired contacts lie to each other. As in the paper the object itself does not count as an obstacle:
+    starts belong to robot and enclosure.
     """
     found = _selection(database, model, count, seed, 0.0)
     q = found.q
@@ -34,7 +34,8 @@ def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> 
         q = np.vstack([q, wider.q[~np.isin(wider.samples, found.samples)]])[:count]
     for i in _turning(model).values():
         q[:, i] -= TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / TURN)
-    synergies = preshape(model.robot, model.desired_points, -model.object_surface(model.desired_points)[1])
+    inward, free = -model.object_surface(model.desired_points)[1], hand_free(model.collisions, model.robot)
+    synergies = preshape(model.robot, model.desired_points, inward, free)
     return np.column_stack([q, np.tile(synergies, (len(q), 1))])
 
 

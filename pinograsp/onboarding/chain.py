@@ -1,0 +1,110 @@
+"""Where the arm ends and the hand begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import InputError, close_names
+from .findings import in_words
+from .tree import Tree
+
+LONGEST_FINGER = 5
+"""Joints of a finger, if the arm has no more."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Arm and hand of a tree."""
+
+    arm: tuple[str, ...]
+    """Joints, from the base outwards."""
+    palm: str
+    """Innermost link of the body that the last arm joint moves and that carries the fingers."""
+    hand: tuple[str, ...]
+    """Joints of the hand that others may follow, but which follow none."""
+    still: tuple[str, ...]
+    """Movable joints of neither."""
+
+
+def find_chain(tree: Tree, file: Path, tip: str | None, hand: frozenset[str] | None) -> Chain:
+    """Find the longest chain of joints up to a body from which two or more fingers branch off.
+
+    Joints of the chain neither follow others nor are followed: that sets the arm apart from the linkages of a hand.
+
+    Args:
+        tree: of the robot.
+        file: named in errors.
+        tip: a link of the body that carries the hand, if it is known.
+        hand: the hand's joints, if they are known.
+
+    Raises:
+        InputError: there are several such bodies, or none.
+    """
+    palm = tree.body(tip) if tip is not None else _palm(tree, file)
+    arm = tuple(joint.name for joint in tree.path(palm) if _free(tree, joint.name))
+    moved = [joint for joint in tree.carried(palm) if hand is None or joint.name in hand]
+    leaders = tuple(joint.name for joint in moved if joint.leader is None)
+    if not arm:
+        raise InputError(f"no joint moves {palm}", file=file, remedy="Name a link at the end of the arm with --tip")
+    if not leaders:
+        raise _no_fingers(tree, file, palm)
+    used = {*arm, *leaders}
+    still = tuple(j.name for j in tree.movable() if j.name not in used and j.leader not in used)
+    return Chain(arm, palm, leaders, still)
+
+
+def require_link(tree: Tree, link: str, option: str) -> None:
+    """Raise an InputError unless the tree has a link of this name."""
+    if link not in tree.links:
+        raise InputError(f"there is no link {link!r}", key=option, remedy=close_names(link, tree.links))
+
+
+def last_link(tree: Tree, file: Path) -> str:
+    """Return the one link at the end of an arm without fingers.
+
+    Raises:
+        InputError: there are several.
+    """
+    ends = [link for link in tree.links if not any(joint.parent == link for joint in tree.joints.values())]
+    longest = max(len(tree.path(link)) for link in ends)
+    found = [link for link in ends if len(tree.path(link)) == longest]
+    if len(found) > 1:
+        raise InputError(f"the arm ends in {in_words(found)}", file=file, key="--to", remedy="Name one of them")
+    return found[0]
+
+
+def _palm(tree: Tree, file: Path) -> str:
+    bodies = dict.fromkeys(map(tree.body, tree.links))
+    forks = [body for body in bodies if len(tree.branches(body)) > 1 and tree.path(body)]
+    palms = [body for body in forks if all(_free(tree, joint.name) for joint in tree.path(body)) and _hand(tree, body)]
+    if not palms:
+        ends = [body for body in bodies if not tree.branches(body)]
+        raise _no_fingers(tree, file, max(ends, key=lambda body: len(tree.path(body))))
+    longest = max(len(tree.path(palm)) for palm in palms)
+    tips = [palm for palm in palms if len(tree.path(palm)) == longest]
+    if len(tips) > 1:
+        problem = f"{len(tips)} tips with {longest} joints each: {in_words(tips)}"
+        raise InputError(
+            problem, file=file, key="--tip", remedy=f"Name the one that holds, for example --tip {tips[0]}"
+        )
+    return tips[0]
+
+
+def _hand(tree: Tree, palm: str) -> bool:
+    """Whether what a body carries may be fingers: a torso carries arms."""
+    lengths = [len(tree.path(joint.child)) - len(tree.path(palm)) for joint in tree.carried(palm)]
+    return max(lengths) <= max(LONGEST_FINGER, len(tree.path(palm)))
+
+
+def _free(tree: Tree, name: str) -> bool:
+    return tree.joints[name].leader is None and not tree.followers(name)
+
+
+def _no_fingers(tree: Tree, file: Path, palm: str) -> InputError:
+    links = tree.body_links(palm)
+    return InputError(
+        f"no fingers were found: from {in_words(links)}, after {len(tree.path(palm))} joints, none branch off",
+        file=file,
+        remedy=f"Give the URDF of a gripper with --hand, and with --to where it sits, for example --to {links[-1]}",
+    )

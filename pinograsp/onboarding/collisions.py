@@ -1,0 +1,101 @@
+"""Findings about self-collision: what no posture keeps apart, and postures that one expects to be free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import coal
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions.scene import Margins
+from ..descriptions.urdf import RobotUrdf
+from ..models import RobotModel, forward
+from ..models.bodies import Solid, distance_request, robot_solids, self_pairs
+from ..models.without_srdf import always_near, excused_links
+from ..verification.clearance import Placed, mesh_distance
+from ..verification.kinematics import Kinematics
+from ..verification.meshes import LinkMesh
+from .findings import Finding, in_words
+
+CENTRAL = 0.9
+"""Part of a joint's range where zero counts as its neutral position; else the middle of the range does."""
+
+Links = frozenset[str]
+
+
+def collision_findings(
+    robot: RobotModel, urdf: RobotUrdf, kinematics: Kinematics, meshes: Mapping[str, LinkMesh]
+) -> Iterator[Finding]:
+    """Look for links that collide, with the margin that a task has if it gives none."""
+    margin = Margins().robot
+    solids = robot_solids(robot)
+    excused = excused_links(robot, solids, margin)
+    pairs = self_pairs(robot, solids, excused)
+    if urdf.complete:
+        remedy = (
+            'Excuse the pair in the SRDF (reason="Always"), or leave the srdf out: then pairs are found by sampling'
+        )
+        for words in sorted(map(_words, always_near(robot, solids, pairs, margin))):
+            what = f"{words} are nearer than {1e3 * margin:g} mm in every posture: no grasp can be found"
+            yield Finding("wrong", what, remedy)
+    else:
+        yield _found_without_srdf(excused - robot.urdf.disabled_pairs, kinematics)
+    middle = 0.5 * (robot.lower + robot.upper)
+    neutral = np.where(np.abs(middle) < CENTRAL * 0.5 * (robot.upper - robot.lower), 0.0, middle)
+    found = []
+    for name, posture in (("joints at zero", neutral), ("joints in mid-range", middle)):
+        placed = Placed(dict(meshes), kinematics.poses(robot.joints_by_name(posture)))
+        found += list(_overlapping(name, _overlaps(robot, solids, pairs, posture), placed, meshes))
+    yield from found
+    if not found:
+        yield Finding("ok", "no self-collision with joints at zero or in mid-range")
+
+
+def _overlapping(
+    posture: str, overlaps: dict[Links, float], placed: Placed, meshes: Mapping[str, LinkMesh]
+) -> Iterator[Finding]:
+    """Tell overlaps of the pieces, which contain the meshes, from overlaps of the meshes."""
+    for links in sorted(overlaps, key=_words):
+        first, second = (meshes[link] for link in links)
+        if mesh_distance(first, second, placed, 1e-6) <= 0.0:
+            remedy = "Look at the picture; if they are meant to touch there, excuse the pair in an SRDF"
+            yield Finding("doubtful", f"with {posture}, {_words(links)} collide", remedy)
+        else:
+            depth = f"overlap by {1e3 * overlaps[links]:.1f} mm, the meshes do not"
+            remedy = "Raise the number of their pieces under collision.links"
+            yield Finding("doubtful", f"with {posture}, convex pieces of {_words(links)} {depth}", remedy)
+
+
+def _found_without_srdf(excused: frozenset[Links], kinematics: Kinematics) -> Finding:
+    others = sorted(_words(links) for links in excused if not kinematics.adjacent(*links))
+    what = f"not every URDF has an SRDF: {len(excused) - len(others)} pairs of neighbours are not checked"
+    if others:
+        what += f", nor {len(others)} that never get apart or, in the hand, never touch: {in_words(others, 3)}"
+    return Finding("ok", what)
+
+
+def _overlaps(
+    robot: RobotModel, solids: list[Solid], pairs: list[tuple[int, int]], posture: Array
+) -> dict[Links, float]:
+    """Return the links whose solids overlap in a posture, and how deep, m."""
+    configuration, request = forward(robot, robot.model.createData(), posture), distance_request()
+    poses = []
+    for solid in solids:
+        R, p = configuration.rotations[solid.joint], configuration.translations[solid.joint]
+        poses.append(coal.Transform3s(R @ solid.placement[:3, :3], R @ solid.placement[:3, 3] + p))
+    found: dict[Links, float] = {}
+    for a, b in pairs:
+        depth = -coal.distance(solids[a].shape, poses[a], solids[b].shape, poses[b], request, coal.DistanceResult())
+        if depth > 0.0:
+            links = _links(solids[a], solids[b])
+            found[links] = max(float(depth), found.get(links, 0.0))
+    return found
+
+
+def _links(first: Solid, second: Solid) -> Links:
+    return frozenset((first.name, second.name))
+
+
+def _words(links: Links) -> str:
+    return " and ".join(sorted(links))

@@ -1,0 +1,42 @@
+"""How far the convex pieces that stand for a link reach beyond its meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..arrays import Array
+from ..models import RobotModel
+from ..models.collision_elements import collision_elements
+from ..models.cover_cache import mesh_cover, read_triangles
+from ..models.hulls import Hull, boundary
+from ..models.mesh_surface import MeshSurface
+
+SAMPLES = 1500
+
+
+def excess(pieces: Sequence[Array], triangles: Array, samples: int = SAMPLES) -> Array:
+    """Return distances to a mesh of points spread over the outer boundary of the union of convex pieces, m.
+
+    Args:
+        pieces: vertices, each of shape (k, 3).
+        triangles: of the mesh, shape (n, 3, 3).
+        samples: points before those within another piece are taken out.
+    """
+    points, _ = boundary([Hull(vertices) for vertices in pieces], samples)
+    return MeshSurface(triangles).distances(points)
+
+
+def link_covers(robot: RobotModel) -> dict[str, tuple[int, Array]]:
+    """Return for every link with collision geometry how many pieces stand for it, and their excess, m."""
+    found: dict[str, tuple[int, Array]] = {}
+    for element in collision_elements(robot):
+        count, distances = found.get(element.link, (0, np.zeros(1)))
+        if element.mesh is None:
+            found[element.link] = (count + 1, distances)
+            continue
+        pieces = mesh_cover(element.mesh, element.size, *robot.description.collision.of(element.link))
+        beyond = excess(pieces, read_triangles(element.mesh) * element.size)
+        found[element.link] = (count + len(pieces), np.concatenate([distances, beyond]))
+    return found

@@ -1,0 +1,46 @@
+"""What a check says of a robot file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Level = Literal["ok", "doubtful", "wrong"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at."""
+
+    level: Level
+    """wrong: no grasp can come of it; doubtful: most likely not meant so."""
+    what: str
+    remedy: str = ""
+    """What to do, if anything."""
+
+
+@dataclass(frozen=True)
+class LinkFigures:
+    """How the collision geometry of one link looks to the planner."""
+
+    link: str
+    triangles: int
+    closed: bool
+    """Whether every edge belongs to two triangles."""
+    pieces: int
+    """Convex pieces and primitives that stand for it."""
+    excess: float
+    """95 % of the pieces' outer boundary are nearer to the meshes than this, m; 0 for primitives."""
+    most: float
+    """The farthest of it, m."""
+
+
+def in_words(names: list[str], most: int = 4) -> str:
+    """Return names one after the other; of many, the first ones and how many more there are."""
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def number_of(count: int, what: str) -> str:
+    """Return a number with its noun, `1 pad`, `2 pads`."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -1,0 +1,98 @@
+"""Findings about the hand as a whole: do pads face each other, how far does it open, where does the wrist point."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..arrays import Array
+from ..models import RobotModel, contact_kinematics, forward
+from .findings import Finding, in_words, number_of
+
+POSTURES = 400
+"""Postures of a hand with more than one synergy, drawn at random; of one synergy, a tenth, evenly."""
+OPPOSED, HARDLY = math.radians(10.0), math.radians(75.0)
+"""Up to the first angle pads face each other; beyond the second no friction that there is would hold anything."""
+ASKEW, ASIDE = math.radians(30.0), math.radians(75.0)
+"""The wrist's z axis may be this far off the direction to the pads: of two, which a jaw has ahead, and of more."""
+
+
+def hand_findings(robot: RobotModel) -> Iterator[Finding]:
+    """Judge pads and wrist over postures of the hand, the arm in the middle of its limits."""
+    pads = robot.description.pads
+    hard = sum(pad.contact.model == "hard_finger" for pad in pads)
+    what = f"{number_of(len(pads), 'contact')}, {hard} hard and {len(pads) - hard} soft fingers"
+    if len(pads) == hard == 2:
+        what += ": no torque about the line through them is held"
+    yield Finding("ok", what)
+    points, normals, wrists = _contacts(robot)
+    yield from _facing(robot, points, normals)
+    yield from _approach(robot, points, wrists)
+
+
+def _contacts(robot: RobotModel) -> tuple[Array, Array, Array]:
+    """Return pad centres and normals, shapes (postures, pads, 3), and wrist poses, shape (postures, 4, 4)."""
+    data, centers, size = robot.model.createData(), robot.parameter_limits.mean(axis=1), robot.arm_size
+    low, high = robot.lower[size:], robot.upper[size:]
+    if len(low) == 1:
+        hands = np.linspace(low, high, POSTURES // 10 + 1)
+    else:
+        hands = np.random.default_rng(0).uniform(low, high, (POSTURES, len(low)))
+    posture = 0.5 * (robot.lower + robot.upper)
+    points, normals, wrists = [], [], []
+    for sigma in hands:
+        posture[size:] = sigma
+        configuration = forward(robot, data, posture)
+        contacts = contact_kinematics(configuration, centers)
+        frame = robot.model.frames[robot.wrist_frame]
+        points.append(contacts.points)
+        normals.append(contacts.normals)
+        wrists.append(data.oMi[frame.parentJoint].homogeneous @ frame.placement.homogeneous)
+    return np.array(points), np.array(normals), np.array(wrists)
+
+
+def _facing(robot: RobotModel, points: Array, normals: Array) -> Iterator[Finding]:
+    names = [pad.name for pad in robot.description.pads]
+    best = np.full((len(names), len(names)), math.pi)
+    gaps: list[float] = []
+    for i, j in itertools.combinations(range(len(names)), 2):
+        apart = points[:, j] - points[:, i]
+        gap = (apart * normals[:, i]).sum(axis=1)
+        before = (gap > -1e-3) & ((apart * normals[:, j]).sum(axis=1) < 1e-3)
+        angles = np.arccos(np.clip(-(normals[:, i] * normals[:, j]).sum(axis=1), -1.0, 1.0))
+        if before.any():
+            best[i, j] = best[j, i] = angles[before].min()
+        gaps += gap[before & (angles < OPPOSED)].tolist()
+    remedy = "Check the pads' normals and links, and which joints the synergies move; look at the picture"
+    alone = [name for name, angles in zip(names, best, strict=True) if angles.min() > HARDLY]
+    if len(alone) == len(names):
+        yield Finding("wrong", f"the pads never face each other: {in_words(names)}", remedy)
+    elif alone:
+        yield Finding("doubtful", f"pads that never face another one: {in_words(alone)}", remedy)
+    elif not gaps:
+        what = f"no two pads come nearer than {math.degrees(best.min()):.0f} degrees to facing each other"
+        yield Finding("doubtful", what, remedy)
+    else:
+        low, high = 1e3 * max(min(gaps), 0.0), 1e3 * max(gaps)
+        yield Finding("ok", f"pads face each other, {low:.1f} to {high:.1f} mm apart")
+
+
+def _approach(robot: RobotModel, points: Array, wrists: Array) -> Iterator[Finding]:
+    wrist, remedy = (
+        robot.description.arm.wrist,
+        "Name a link under arm.wrist whose z axis points to where the pads close",
+    )
+    towards = points.mean(axis=1) - wrists[:, :3, 3]
+    lengths = np.linalg.norm(towards, axis=1)
+    if lengths.min() < 1e-3:  # a frame between the pads: any direction would do
+        yield Finding("ok", f"the wrist, {wrist}, is between the pads")
+        return
+    angle = float(np.arccos(np.clip((towards * wrists[:, :3, 2]).sum(axis=1) / lengths, -1.0, 1.0)).mean())
+    what = f"the z axis of {wrist} is {math.degrees(angle):.0f} degrees off the direction to the pads"
+    if angle > (ASKEW if points.shape[1] == 2 else ASIDE):
+        yield Finding("doubtful", f"{what}: approach directions mean something else", remedy)
+    else:
+        yield Finding("ok", what)

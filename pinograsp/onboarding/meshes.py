@@ -1,0 +1,91 @@
+"""Findings about meshes: are they there, closed, of a credible size, and how well do convex pieces stand for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from ..arrays import Array
+from ..descriptions.urdf import RobotUrdf
+from ..models import RobotModel
+from ..verification.meshes import LinkMesh
+from .excess import link_covers
+from .findings import Finding, LinkFigures, in_words
+
+LOOSE = 0.010
+"""An excess beyond this keeps the robot farther off than it need be, m."""
+LARGEST, SMALLEST = 3.0, 0.002
+"""Extents of a link beyond these are those of a mesh in other units, m."""
+_SAMPLES = 48
+
+
+def link_figures(robot: RobotModel, meshes: Mapping[str, LinkMesh]) -> list[LinkFigures]:
+    """Return the figures of every link with collision geometry."""
+    found = []
+    for link, (pieces, distances) in link_covers(robot).items():
+        closed = bool(_merged(meshes[link]).is_watertight)
+        excess = float(np.percentile(distances, 95))
+        count = len(meshes[link].triangles)
+        found.append(LinkFigures(link, count, closed, pieces, excess, float(distances.max())))
+    return found
+
+
+def mesh_findings(
+    figures: list[LinkFigures], meshes: Mapping[str, LinkMesh], urdf: RobotUrdf, robot: RobotModel
+) -> Iterator[Finding]:
+    """Judge the meshes."""
+    open_ones = [figure.link for figure in figures if not figure.closed]
+    leaky = [link for link in open_ones if not encloses(meshes[link])]
+    for link in leaky:
+        remedy = "Close it (a repair tool, or its convex hull): what lies wholly inside is not noticed"
+        yield Finding("doubtful", f"the mesh of {link} is not watertight: inside and outside cannot be told", remedy)
+    if not leaky:
+        cracks = f"; cracks in {in_words(open_ones)} are too fine to matter" if open_ones else ""
+        yield Finding("ok", f"collision geometry of {len(figures)} links, all found and watertight{cracks}")
+    for link, mesh in meshes.items():
+        size = float(np.ptp(mesh.hull, axis=0).max())
+        if not SMALLEST < size < LARGEST:
+            remedy = 'Meshes in millimetres need scale="0.001 0.001 0.001"'
+            yield Finding("doubtful", f"link {link} is {size:.4g} m large", remedy)
+    loose = [figure for figure in figures if figure.excess > LOOSE]
+    for figure in loose:
+        yield Finding(
+            "doubtful",
+            f"the pieces of {figure.link} stand off its mesh by {1e3 * figure.excess:.1f} mm (95th percentile)",
+            f"Raise collision.links.{figure.link}.pieces, or lower its tolerance",
+        )
+    if figures and not loose:
+        worst = max(figures, key=lambda figure: figure.excess)
+        yield Finding("ok", f"convex pieces stand off by at most {1e3 * worst.excess:.1f} mm ({worst.link})")
+    yield from _without_geometry(meshes, urdf, robot)
+
+
+def encloses(mesh: LinkMesh) -> bool:
+    """Whether points are clearly inside or outside: winding numbers near whole ones, in spite of holes."""
+    low, high = mesh.hull.min(axis=0), mesh.hull.max(axis=0)
+    points = np.random.default_rng(0).uniform(low, high, (_SAMPLES, 3))
+    windings = np.array([mesh.winding_number(point) for point in points])
+    return bool((np.abs(windings - windings.round()) < 0.2).mean() > 0.95)
+
+
+def _merged(mesh: LinkMesh) -> trimesh.Trimesh:
+    corners: Array = mesh.triangles.reshape(-1, 3)
+    return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=True)
+
+
+def _without_geometry(meshes: Mapping[str, LinkMesh], urdf: RobotUrdf, robot: RobotModel) -> Iterator[Finding]:
+    """Find what would move unseen, and what cannot be shown."""
+    body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in urdf.links}
+    solid = {body[link] for link in meshes}
+    for link in urdf.tree.findall("link"):
+        name = link.get("name", "")
+        if link.find("visual") is not None and body[name] not in solid:
+            remedy = "Give it a <collision>: the planner does not see it"
+            yield Finding("doubtful", f"link {name} has no collision geometry", remedy)
+        missing = [mesh.get("filename", "") for mesh in link.iterfind("visual/geometry/mesh")]
+        if any(not Path(file).is_file() for file in missing):
+            remedy = "Only pictures need it; name its folder under `packages`"
+            yield Finding("doubtful", f"a mesh for show of link {name} was not found: {missing[0]}", remedy)

@@ -1,0 +1,128 @@
+"""The first robot file of a robot, from its URDF or from those of an arm and a hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..descriptions.files import Vector3
+from ..descriptions.pose import ZERO
+from ..descriptions.robot import Attachment, Composition
+from ..descriptions.urdf import read_urdf
+from ..errors import InputError
+from .addresses import address_of, find_urdf, needed_packages
+from .chain import require_link
+from .draft import Draft, draft, tip_of
+from .findings import in_words, number_of
+from .robot_file import robot_file, srdf_beside
+from .tree import Tree
+
+
+@dataclass(frozen=True)
+class HandMount:
+    """A hand with a URDF of its own, and where it sits."""
+
+    urdf: str
+    to: str | None = None
+    """Link of the arm; its last one if not given."""
+    root: str | None = None
+    """Link of the hand's URDF with which the hand begins."""
+    position: Vector3 = ZERO
+    rpy: Vector3 = ZERO
+    prefix: str = ""
+
+
+def new_robot_file(
+    urdf: str,
+    output: Path,
+    *,
+    hand: HandMount | None = None,
+    tip: str | None = None,
+    packages: Sequence[Path] = (),
+) -> tuple[str, Draft]:
+    """Return the text of a first robot file, and what it says; nothing is written.
+
+    Args:
+        urdf: path or `package://` address of the robot's URDF, or the arm's.
+        output: where the file is going to be: addresses are relative to it.
+        hand: a hand of its own.
+        tip: a link of the body that carries the hand, where there are several.
+        packages: folders in which `package://` is looked up.
+
+    Raises:
+        InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
+    """
+    files = [find_urdf(urdf, packages, "URDF")]
+    files += [] if hand is None else [find_urdf(hand.urdf, packages, "--hand")]
+    composition = Composition(
+        format=1,
+        urdf=address_of(files[0], output),
+        packages=needed_packages(files, packages, output),
+        source=output,
+        digest="",
+    )
+    if hand is not None:
+        composition = _with_hand(composition, hand, address_of(files[1], output))
+    try:
+        found = draft(composition, tip)
+    except InputError as error:
+        raise _of_the_command_line(error) from None
+    srdf = srdf_beside(files[0])
+    name = output.resolve().parent.name
+    return robot_file(found, name, None if srdf is None else address_of(srdf, output)), found
+
+
+_OPTIONS = {"attach[0].prefix": "--prefix", "attach[0].root": "--hand-root"}
+
+
+def _of_the_command_line(error: InputError) -> InputError:
+    """Return an error about a key of the robot file, which is not there yet, as one about an option."""
+    if error.key not in _OPTIONS:
+        return error
+    return InputError(error.problem, key=_OPTIONS[error.key], remedy=error.remedy)
+
+
+def _with_hand(arm: Composition, hand: HandMount, address: str) -> Composition:
+    to = tip_of(arm) if hand.to is None else hand.to
+    require_link(Tree(read_urdf(arm), arm.urdf_file), to, "--to")
+    part = Attachment(urdf=address, root=hand.root, to=to, prefix=hand.prefix, position=hand.position, rpy=hand.rpy)
+    return arm.model_copy(update={"attach": (part,)})
+
+
+def refuse_existing(output: Path, *, replace: bool) -> None:
+    """Raise an InputError if a robot file is there that is not to be replaced."""
+    if output.exists() and not replace:
+        raise InputError("exists already", file=output, key="--output", remedy="Use --force to replace it")
+
+
+def write_new(text: str, output: Path) -> None:
+    """Write a robot file; the folder is made.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"cannot be written: {reason}", file=output, key="--output") from None
+
+
+def said_of(found: Draft) -> list[str]:
+    """Return lines that say what was found."""
+    arm, hand = found.chain.arm, found.chain.hand
+    lines = [f"arm: {number_of(len(arm), 'joint')}, {arm[0]} .. {arm[-1]}; wrist {found.wrist}"]
+    followers = sum(len(found.tree.followers(joint)) for joint in hand)
+    lines.append(
+        f"hand: {in_words(list(hand))}" + (f", followed by {number_of(followers, 'joint')}" if followers else "")
+    )
+    if found.pads is None:
+        lines.append("pads: no two flat faces of the fingers close on each other; write them by hand")
+    else:
+        size = " and ".join(
+            f"{1e3 * pad.sides[0]:.1f} x {1e3 * pad.sides[1]:.1f} mm of {pad.link}" for pad in found.pads
+        )
+        lines.append(f"pads: flat faces that close on each other, {size}")
+    return lines

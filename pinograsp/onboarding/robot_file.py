@@ -1,0 +1,166 @@
+"""A draft as the text of a robot file. What nobody can know from a URDF is marked with CHECK."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from ..descriptions.robot import Attachment
+from .draft import Draft, guessed_limits
+from .facets import Facet
+from .findings import in_words, number_of
+
+INSET = 0.001
+"""Of a pad from the edges of its face, so that a contact never sits on the rim, m."""
+MANY = 3
+"""More synergies are more than most tasks need."""
+PADS_BY_HAND = """\
+# CHECK: no two flat faces of the fingers that close on each other were found. Write two or more pads by hand, each on a
+# link that the hand moves (types: plane, line, cylinder, sphere), and look at them with `pinograsp robot check`:
+#   - name: left
+#     link: left_finger_tip
+#     patch:
+#       type: plane                  # origin + u x_axis + v (normal x x_axis), in the frame of the link
+#       origin: [0.0, 0.0, 0.0]
+#       normal: [0.0, 1.0, 0.0]      # outward, towards the object
+#       x_axis: [0.0, 0.0, 1.0]
+#       u: [-0.01, 0.01]
+#       v: [-0.01, 0.01]
+#     contact: {model: hard_finger}
+pads: []
+"""
+
+
+def robot_file(found: Draft, name: str, srdf: str | None) -> str:
+    """Return the text.
+
+    Args:
+        found: what was found.
+        name: of the robot.
+        srdf: address of an SRDF that lies beside the URDF, to be offered.
+    """
+    blocks = [_head(found, name, srdf)]
+    blocks += [_attached(part) for part in found.composition.attach]
+    blocks += [_arm(found), _hand(found), _pads(found), _stiffness(found)]
+    return "\n\n".join("\n".join(block) for block in blocks) + "\n"
+
+
+def _head(found: Draft, name: str, srdf: str | None) -> list[str]:
+    composition = found.composition
+    lines = ["# Written by `pinograsp robot new`. Lines with CHECK hold what a URDF does not say."]
+    lines += ["format: 1", f"name: {name}", f"urdf: {composition.urdf}"]
+    if srdf is not None:
+        lines += [
+            "# Found beside the URDF; without it, pairs of links that may touch are found by sampling.",
+            f"# srdf: {srdf}",
+        ]
+    if composition.packages:
+        lines += ["packages:", *(f"  - {folder}" for folder in composition.packages)]
+    return lines
+
+
+def _attached(part: Attachment) -> list[str]:
+    lines = ["attach:", f"  - urdf: {part.urdf}"]
+    lines += [] if part.root is None else [f"    root: {part.root}"]
+    lines += [f"    to: {part.to}"]
+    lines += [f"    prefix: {part.prefix}"] if part.prefix else []
+    given = any(part.position) or any(part.rpy)
+    lines.append(f"    position: {_numbers(part.position, 9)}" + ("" if given else "    # CHECK: in metres"))
+    lines.append(f"    rpy: {_numbers(part.rpy, 9)}" + ("" if given else "    # CHECK: in radians"))
+    return lines
+
+
+def _arm(found: Draft) -> list[str]:
+    chain, limits = found.chain, guessed_limits(found)
+    off = "" if found.towards else "    # CHECK: its z axis should point to the pads, it does not"
+    lines = ["arm:", f"  joints: [{', '.join(chain.arm)}]", f"  wrist: {found.wrist}{off}"]
+    guessed = {name: limits[name] for name in chain.arm if name in limits}
+    lines += ["  limits:"] if guessed else []
+    for joint, interval in guessed.items():
+        lines.append(f"    {joint}: {list(interval)}    # CHECK: a guess, the URDF has none")
+    if chain.still:
+        count = number_of(len(chain.still), "joint")
+        lines.append(f"# CHECK: {count} of neither arm nor hand, at zero for good: {in_words(list(chain.still))}")
+    return lines
+
+
+def _hand(found: Draft) -> list[str]:
+    lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
+    if len(found.chain.hand) > MANY:
+        lines.append(
+            "    # CHECK: joints that are to move together can be one synergy: {name: close, joints: {a: 1.0, b: 0.5}}"
+        )
+    for joint in found.chain.hand:
+        lines.append(f"    - joint: {joint}")
+        lines += [f"      # followed by {other.name}, {other.multiplier:+g}" for other in found.tree.followers(joint)]
+        if joint in limits:
+            lines.append(
+                f"      limits: [{limits[joint][0]}, {limits[joint][1]}]    # CHECK: a guess, the URDF has none"
+            )
+    return lines
+
+
+def _pads(found: Draft) -> list[str]:
+    if found.pads is None:
+        return PADS_BY_HAND.splitlines()
+    lines = ["# Flat faces that close on each other, less 1 mm at each edge so that a contact never sits on the rim."]
+    if _fingers(found) > 2:
+        lines.append("# CHECK: the hand has more fingers; add a pad for each that is to touch")
+    names = pad_names([pad.link for pad in found.pads])
+    return [*lines, "pads:", *(line for pad, name in zip(found.pads, names, strict=True) for line in _pad(pad, name))]
+
+
+def _fingers(found: Draft) -> int:
+    """Return the number of links at the ends of branches of the hand that move on their own."""
+    hand = found.chain.hand
+    starts = [joint for joint in found.tree.branches(found.chain.palm) if (joint.leader or joint.name) in hand]
+    # The links of one finger may branch off the palm side by side, as a knuckle and the bar that guides it.
+    return len(starts) if len(hand) > 1 else 2
+
+
+def _pad(facet: Facet, name: str) -> list[str]:
+    half = facet.sides / 2 - INSET
+    return [
+        f"  - name: {name}",
+        f"    link: {facet.link}",
+        "    patch:",
+        "      type: plane",
+        f"      origin: {_numbers(facet.origin, 7)}",
+        f"      normal: {_numbers(facet.axes[:, 2], 9)}",
+        f"      x_axis: {_numbers(facet.axes[:, 0], 9)}",
+        f"      u: {_numbers([-half[0], half[0]], 5)}",
+        f"      v: {_numbers([-half[1], half[1]], 5)}",
+        "    contact: {model: hard_finger}",
+    ]
+
+
+def _stiffness(found: Draft) -> list[str]:
+    sliding = any(found.tree.joints[name].kind == "prismatic" for name in found.chain.hand)
+    joint, unit = ("10000.0", "N / m") if sliding else ("100.0", "N m / rad")
+    return [
+        "stiffness:",
+        f"  joint: {joint}    # CHECK: a guess, {unit}",
+        "  contact: 10000.0    # CHECK: a guess, N / m",
+    ]
+
+
+def pad_names(links: Sequence[str]) -> list[str]:
+    """Return `left` and `right` where the links are called so, else the links' names."""
+    sides = ["left" if "left" in link.lower() else "right" if "right" in link.lower() else link for link in links]
+    return sides if len(set(sides)) == len(sides) else list(links)
+
+
+def _numbers(values: Iterable[float], digits: int) -> str:
+    """Write numbers as a YAML list, without exponents, which YAML takes for text."""
+    return "[" + ", ".join(_number(round(float(value), digits), digits) for value in values) + "]"
+
+
+def _number(value: float, digits: int) -> str:
+    text = f"{value + 0.0:.{digits}f}".rstrip("0")  # adding 0 makes -0.0 plain
+    return f"{text}0" if text.endswith(".") else text
+
+
+def srdf_beside(urdf: Path) -> Path | None:
+    """Return the SRDF with the name of a URDF in its folder, or in the folder `srdf` beside that."""
+    places = (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf")
+    return next((place for place in places if place.is_file()), None)
