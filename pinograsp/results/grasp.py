@@ -96,12 +96,12 @@ class Result:
     blocked: dict[str, Blocked]
     """What kept the other starts from being reliable, by kind of constraint."""
     interrupted: bool = False
-    warnings: tuple[str, ...] = ()
-    """What is odd about the task."""
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage; `solver_mean` is the mean of one start on one core."""
     provenance: dict[str, Any] = field(default_factory=dict)
     """Package versions, hashes of the input files, seed and options."""
+    warnings: tuple[str, ...] = ()
+    """What is odd about the task."""
 
     @property
     def best(self) -> Grasp | None:
