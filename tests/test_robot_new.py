@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import pinograsp
 from pinograsp import InputError, cli
+from pinograsp.database import sampling
 from pinograsp.descriptions import load_robot_description
 from pinograsp.onboarding import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.facets import facets_of
@@ -48,34 +49,23 @@ def checks(text: str) -> list[str]:
     return [line.strip() for line in text.splitlines()[1:] if "CHECK" in line]
 
 
-ROOM = {
-    "format": 1,
-    "name": "room",
-    "enclosure": {"min": [-0.9, -0.9, 0.0], "max": [0.9, 0.9, 1.3]},
-    "objects": {"ball": {"shape": {"type": "sphere", "radius": 0.03}, "pose": {"position": [0.5, 0.1, 0.03]}}},
-    "tasks": {
-        "sphere": {
-            "object": "ball",
-            "desired_contacts": [[0.0, 0.03, 0.0], [0.0, -0.03, 0.0]],
-            "wrench": {"force": [0.0, 0.0, -2.0]},
-            "contact": {"friction": 0.9},
-        }
-    },
-}
-"""For an arm that stands on a table: more of its configurations are free than in the glovebox."""
+@pytest.fixture
+def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw the samples of databases a quarter at a time: one batch is enough here."""
+    monkeypatch.setattr(sampling, "DRAWS", sampling.DRAWS // 4)
 
 
-def plans(file: Path, scene: Path | str, folder: Path) -> pinograsp.Result:
-    """Plan the sphere from a small database."""
-    robot, description = pinograsp.load_robot(file), pinograsp.load_scene(scene)
-    with pinograsp.build_database(robot, description, folder / "box.duckdb", size=500, workers=1) as database:
-        return pinograsp.plan(robot, description, "sphere", starts=12, workers=1, database=database)
+def plans(file: Path, folder: Path) -> pinograsp.Result:
+    """Plan the sphere in the glovebox from a small database."""
+    robot, scene = pinograsp.load_robot(file), pinograsp.load_scene("glovebox")
+    with pinograsp.build_database(robot, scene, folder / "box.duckdb", size=100, workers=1) as database:
+        return pinograsp.plan(robot, scene, "sphere", starts=12, workers=1, database=database)
 
 
 # ---- the robots that everyone has
 
 
-def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path) -> None:
+def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path, small_batches: None) -> None:
     code, output, errors = run(PANDA, "--output", "my_panda/robot.yaml")
     assert (code, errors) == (0, "")
     assert "written: my_panda/robot.yaml" in output
@@ -96,14 +86,13 @@ def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path) -> None:
         "joint: 10000.0    # CHECK: a guess, N / m",
         "contact: 10000.0    # CHECK: a guess, N / m",
     ]
-    (tmp_path / "room.yaml").write_text(yaml.safe_dump(ROOM))
-    result = plans(file, tmp_path / "room.yaml", tmp_path)
+    result = plans(file, tmp_path)
     assert result.best is not None
     assert result.reliable >= 8
     assert result.refuted == 0
 
 
-def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.RobotModel) -> None:
+def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.RobotModel, small_batches: None) -> None:
     file = tmp_path / "my_gen3" / "robot.yaml"
     text, _ = new_robot_file(GEN3, file)
     write_new(text, file)
@@ -119,7 +108,7 @@ def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.RobotMod
         np.testing.assert_allclose(mine.patch.origin, theirs.patch.origin, atol=1e-3)
         np.testing.assert_allclose(mine.patch.parameters, theirs.patch.parameters, atol=2.5e-3)
     file.write_text(f"{text}\ncollision: {{pieces: 1}}\n")  # only quicker than the pieces that it has without
-    result = plans(file, "glovebox", tmp_path)
+    result = plans(file, tmp_path)
     assert result.reliable >= 8
     assert result.refuted == 0
 
@@ -264,7 +253,8 @@ def test_hand_without_flat_faces(run: Run, tmp_path: Path) -> None:
         load_robot_description(tmp_path)
     # The example in the comment, taken as it is, fits the schema.
     start = text.index("#   - name: left")
-    example = yaml.safe_load(text[start : text.index("pads: []")].replace("#   ", "").replace("# ", ""))
+    lines = text[start : text.index("pads: []")].splitlines()
+    example = yaml.safe_load("\n".join(line.removeprefix("#   ") for line in lines))
     pads = [{**example[0], "name": side, "link": side} for side in ("left", "right")]
     (tmp_path / "robot.yaml").write_text(text.replace("pads: []", yaml.safe_dump({"pads": pads})))
     pinograsp.load_robot(tmp_path)
@@ -288,8 +278,8 @@ def test_two_tips(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         new_robot_file(str(urdf), tmp_path / "robot.yaml")
     message = str(error.value)
-    assert "--tip: 2 tips with 1 joint each: west_arm, east_arm. Name the one that is to hold" in message
-    with pytest.raises(InputError, match=r"--tip: there is no link 'est_arm'\. Did you mean east_arm"):
+    assert "--tip: 2 tips, each after 1 joint: west_arm, east_arm. Name the one that is to hold" in message
+    with pytest.raises(InputError, match=r"--tip: there is no link 'est_arm'\. Did you mean .*east_arm"):
         new_robot_file(str(urdf), tmp_path / "robot.yaml", tip="est_arm")
     robot, text = loaded(urdf, tmp_path / "robot.yaml", tip="east_arm")
     assert robot.description.arm.joints == ("east_shoulder",)
@@ -298,7 +288,9 @@ def test_two_tips(tmp_path: Path) -> None:
 
 
 def test_an_arm_alone(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no fingers were found: from wrist_3_link, .*--hand, and with --to"):
+    with pytest.raises(
+        InputError, match=r"no fingers were found: none branch off wrist_3_link, .*--hand, and with --to"
+    ):
         new_robot_file(UR5, tmp_path / "robot.yaml")
     with pytest.raises(InputError, match=r"--to: the arm ends in ee_link, tool0\. Name one of them"):
         new_robot_file(UR5, tmp_path / "robot.yaml", hand=HandMount(GEN3))
@@ -370,7 +362,7 @@ def test_rectangle_in_a_face_with_a_notch(
     corners = [np.array([[a, c], [b, c], [b, d], [a, d]]) for a, b, c, d in quads]
     found = largest_rectangle(np.concatenate([[quad[[0, 1, 2]], quad[[0, 2, 3]]] for quad in corners]))
     best = max(notch[0], notch[1]) * size[0] * size[1]
-    assert found.area == pytest.approx(best, rel=1e-9)
+    assert 0.95 * best <= found.area <= best * (1.0 + 1e-9)
 
 
 def test_facets_of_a_box(make_toy: Callable[..., pinograsp.RobotModel]) -> None:

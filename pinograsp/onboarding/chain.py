@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, close_names
-from .findings import in_words
+from .findings import in_words, number_of
 from .tree import Tree
 
 LONGEST_FINGER = 5
@@ -84,10 +84,9 @@ def _palm(tree: Tree, file: Path) -> str:
     longest = max(len(tree.path(palm)) for palm in palms)
     tips = [palm for palm in palms if len(tree.path(palm)) == longest]
     if len(tips) > 1:
-        problem = f"{len(tips)} tips with {longest} joints each: {in_words(tips)}"
-        raise InputError(
-            problem, file=file, key="--tip", remedy=f"Name the one that holds, for example --tip {tips[0]}"
-        )
+        problem = f"{len(tips)} tips, each after {number_of(longest, 'joint')}: {in_words(tips)}"
+        remedy = f"Name the one that is to hold, for example --tip {tips[0]}"
+        raise InputError(problem, file=file, key="--tip", remedy=remedy)
     return tips[0]
 
 
@@ -102,9 +101,9 @@ def _free(tree: Tree, name: str) -> bool:
 
 
 def _no_fingers(tree: Tree, file: Path, palm: str) -> InputError:
-    links = tree.body_links(palm)
+    links, count = tree.body_links(palm), len(tree.path(palm))
     return InputError(
-        f"no fingers were found: from {in_words(links)}, after {len(tree.path(palm))} joints, none branch off",
+        f"no fingers were found: none branch off {in_words(links)}, after {number_of(count, 'joint')}",
         file=file,
         remedy=f"Give the URDF of a gripper with --hand, and with --to where it sits, for example --to {links[-1]}",
     )
