@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import pinograsp
 from pinograsp import InputError, cli
-from pinograsp.database import sampling
+from pinograsp.database import build, sampling
 from pinograsp.descriptions import load_robot_description
 from pinograsp.onboarding import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.facets import facets_of
@@ -51,8 +51,8 @@ def checks(text: str) -> list[str]:
 
 @pytest.fixture
 def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw the samples of databases a quarter at a time: one batch is enough here."""
-    monkeypatch.setattr(sampling, "DRAWS", sampling.DRAWS // 4)
+    for module in (build, sampling):
+        monkeypatch.setattr(module, "DRAWS", 16_384)
 
 
 def plans(file: Path, folder: Path) -> pinograsp.Result:

@@ -24,7 +24,7 @@ class Chain:
     hand: tuple[str, ...]
     """Joints of the hand that others may follow, but which follow none."""
     still: tuple[str, ...]
-    """Movable joints of neither."""
+    """Movable joints of neither, which follow none."""
 
 
 def find_chain(tree: Tree, file: Path, tip: str | None, hand: frozenset[str] | None) -> Chain:
@@ -50,7 +50,7 @@ def find_chain(tree: Tree, file: Path, tip: str | None, hand: frozenset[str] | N
     if not leaders:
         raise _no_fingers(tree, file, palm)
     used = {*arm, *leaders}
-    still = tuple(j.name for j in tree.movable() if j.name not in used and j.leader not in used)
+    still = tuple(joint.name for joint in tree.movable() if joint.leader is None and joint.name not in used)
     return Chain(arm, palm, leaders, still)
 
 

@@ -39,8 +39,8 @@ def joint_findings(robot: RobotModel) -> Iterator[Finding]:
     for column, name in enumerate(robot.posture_names[robot.arm_size :], robot.arm_size):
         moved = [f"{robot.joint_names[row]} {robot.B[row, column]:+g}" for row in np.flatnonzero(robot.B[:, column])]
         yield Finding("ok", f"synergy {name} moves {number_of(len(moved), 'joint')}: {in_words(moved, 8)}")
-    still = [robot.joint_names[row] for row in np.flatnonzero(~robot.B.any(axis=1))]
-    for name in (name for name in still if name not in robot.description.hand.rest):
+    still = {robot.joint_names[row] for row in np.flatnonzero(~robot.B.any(axis=1))}
+    for name in sorted(still - robot.description.hand.rest.keys() - robot.urdf.mimics.keys()):
         yield Finding(
             "doubtful",
             f"joint {name} is neither arm nor hand joint: it stays at {robot.q_0[robot.joint_names.index(name)]:g}",

@@ -88,15 +88,13 @@ def _hand(found: Draft) -> list[str]:
     lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
     if len(found.chain.hand) > MANY:
         lines.append(
-            "    # CHECK: joints that are to move together can be one synergy: {name: close, joints: {a: 1.0, b: 0.5}}"
+            "    # CHECK: joints that move together can be one synergy: {name: close, joints: {a: 1.0, b: 0.5}}"
         )
     for joint in found.chain.hand:
         lines.append(f"    - joint: {joint}")
         lines += [f"      # followed by {other.name}, {other.multiplier:+g}" for other in found.tree.followers(joint)]
         if joint in limits:
-            lines.append(
-                f"      limits: [{limits[joint][0]}, {limits[joint][1]}]    # CHECK: a guess, the URDF has none"
-            )
+            lines.append(f"      limits: {list(limits[joint])}    # CHECK: a guess, the URDF has none")
     return lines
 
 
