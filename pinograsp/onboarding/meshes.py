@@ -57,8 +57,8 @@ def mesh_findings(
             f"the pieces of {figure.link} stand off its mesh by {1e3 * figure.excess:.1f} mm (95th percentile)",
             f"Raise collision.links.{figure.link}.pieces, or lower its tolerance",
         )
-    if figures and not loose:
-        worst = max(figures, key=lambda figure: figure.excess)
+    worst = max(figures, key=lambda figure: figure.excess, default=None)
+    if worst is not None and 0.0 < worst.excess <= LOOSE:
         yield Finding("ok", f"convex pieces stand off by at most {1e3 * worst.excess:.1f} mm ({worst.link})")
     yield from _without_geometry(meshes, urdf, robot)
 
