@@ -12,6 +12,7 @@ import pytest
 import typer
 
 from pinograsp import cli
+from pinograsp.database import build, cache, sampling
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
@@ -44,10 +45,36 @@ def test_readme_shows_commands() -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_command_of_the_readme_is_understood(command: str) -> None:
     name, *arguments = shlex.split(command.removeprefix("$ "), comments=True)[1:]
-    group = typer.main.get_command(cli.app)
-    known = group.commands  # type: ignore[attr-defined]
-    assert name in known
-    known[name].make_context(name, arguments)  # exits with 2 on an unknown option or a bad value
+    known = typer.main.get_command(cli.app)
+    while hasattr(known, "commands"):
+        assert name in known.commands
+        known = known.commands[name]
+        if hasattr(known, "commands"):
+            name, *arguments = arguments
+    known.make_context(name, arguments)  # exits with 2 on an unknown option or a bad value
+
+
+def test_your_own_robot(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """The transcript: every command runs, and prints what is shown, in this order (... stands for any lines)."""
+    (transcript,) = (text for language, text in BLOCKS if language == "console")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+    for module in (build, sampling):  # a small database, so that it takes seconds
+        monkeypatch.setattr(module, "DRAWS", 16_384)
+    monkeypatch.setattr(cache, "SIZE", 100)
+    for step in transcript.split("$ ")[1:]:
+        command, *shown = step.strip().splitlines()
+        arguments = shlex.split(command.replace("--starts 100", "--starts 12 --workers 1"))
+        monkeypatch.setattr(sys, "argv", arguments)
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        output = capsys.readouterr().out
+        assert ended.value.code in {None, 0}, output
+        printed = [line.strip() for line in output.splitlines()]
+        if "..." not in shown:
+            assert printed == shown
+        found = [printed.index(line) for line in shown if line != "..."]
+        assert found == sorted(found)
 
 
 @pytest.mark.parametrize("target", TARGETS)
