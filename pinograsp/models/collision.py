@@ -13,7 +13,9 @@ that culling never makes a constraint jump).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import coal
@@ -86,7 +88,8 @@ class CollisionModel:
         second = np.array([pair.second for pair in self.pairs])
         joints = np.array([solid.joint for solid in self._solids])
         self._joints = joints
-        self._placements = np.array([solid.placement for solid in self._solids])
+        self._turns = np.array([solid.placement[:3, :3] for solid in self._solids])
+        self._shifts = np.array([solid.placement[:3, 3] for solid in self._solids])
         self._centers = np.array([solid.center for solid in self._solids])
         self._first, self._second = first, second
         self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
@@ -100,6 +103,16 @@ class CollisionModel:
         self._apart = first[self._to_walls :], second[self._to_walls :]
         self._pair_radii = radii[self._apart[0]] + radii[self._apart[1]]
         self._request = distance_request()
+        # What Coal reads and writes at every measurement: made once, since making it costs more than measuring.
+        self._poses = [coal.Transform3s() for _ in self._solids]
+        self._result = coal.DistanceResult()
+        self._queries = [self._query(pair) for pair in self.pairs]
+
+    def _query(self, pair: Pair) -> Callable[[], float]:
+        """Return what measures a pair at the poses of its solids into the result."""
+        measure = coal.ComputeDistance(self._solids[pair.first].shape, self._solids[pair.second].shape)
+        poses = self._poses[pair.first], self._poses[pair.second]
+        return partial(measure, *poses, self._request, self._result)
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
@@ -107,7 +120,8 @@ class CollisionModel:
         translations = configuration.translations[self._joints]
         centers = np.matmul(rotations, self._centers[:, :, None])[:, :, 0] + translations
         indices = np.flatnonzero(self._lower_bounds(centers) < self._reach)
-        values, points, normals = self._measure(indices, rotations, translations)
+        translations = np.matmul(rotations, self._shifts[:, :, None])[:, :, 0] + translations
+        values, points, normals = self._measure(indices, np.matmul(rotations, self._turns), translations)
         arms = np.cross(points, normals)
         along = np.concatenate([normals, arms], axis=1) @ configuration.jacobian
         return Distances(indices, values, (along * self._moves[indices]) @ self._robot.B)
@@ -122,27 +136,18 @@ class CollisionModel:
         return bounds
 
     def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:
-        """Return distances (k,), witness points on the first bodies (k, 3) and normals (k, 3)."""
+        """Return distances (k,), witness points on the first bodies (k, 3) and normals (k, 3), solids posed so."""
         values, points, normals = (
             np.empty(len(indices)),
             np.empty((len(indices), 3)),
             np.empty((len(indices), 3)),
         )
-        poses: dict[int, Any] = {}
         for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
-            R, local = rotations[solid], self._placements[solid]
-            poses[solid] = coal.Transform3s(R @ local[:3, :3], R @ local[:3, 3] + translations[solid])
+            self._poses[solid].setTransform(rotations[solid], translations[solid])
+        result = self._result
         for row, index in enumerate(indices.tolist()):
-            pair = self.pairs[index]
-            result = coal.DistanceResult()
-            values[row] = coal.distance(
-                self._solids[pair.first].shape,
-                poses[pair.first],
-                self._solids[pair.second].shape,
-                poses[pair.second],
-                self._request,
-                result,
-            )
+            result.clear()
+            values[row] = self._queries[index]()
             points[row] = result.getNearestPoint1()
             normals[row] = result.normal
         return values, points, normals
