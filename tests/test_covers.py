@@ -164,7 +164,7 @@ def with_object_at(scene: SceneDescription, position: Array) -> SceneDescription
 def least_by_links(model: CollisionModel, at: Any) -> dict[tuple[str, str], float]:
     """Return the least distance of every two links, and of links and the object."""
     indices = np.array([i for i, pair in enumerate(model.pairs) if pair.kind != "enclosure"])
-    values, _, _ = model._measure(indices, at.rotations[model._joints], at.translations[model._joints])
+    values, _, _ = model.measure(indices, at)
     least: dict[tuple[str, str], float] = {}
     for index, value in zip(indices, values.tolist(), strict=True):
         pair = model.pairs[index]
@@ -193,7 +193,7 @@ def test_walls_see_the_nearest_piece(sphere_task: TaskModel) -> None:
     model, robot = sphere_task.collisions, sphere_task.robot
     at = forward(robot, robot.model.createData(), 0.3 * robot.lower + 0.7 * robot.upper)
     indices = np.array([i for i, pair in enumerate(model.pairs) if pair.other.startswith("wall")])
-    values, _, _ = model._measure(indices, at.rotations[model._joints], at.translations[model._joints])
+    values, _, _ = model.measure(indices, at)
     solids = robot_solids(robot)
     joints = {solid.name: solid.joint for solid in solids}
     vertices = {link: np.concatenate(points) for link, points in by_link(solids).items()}

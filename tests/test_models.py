@@ -404,12 +404,8 @@ class Bench:
         ]
 
     def measure(self) -> tuple[float, Array]:
-        values, _, normals = measured(self.model, self.at(self.posture), np.array([self.index]))
+        values, _, normals = self.model.measure(np.array([self.index]), self.at(self.posture))
         return float(values[0]), normals[0]
-
-
-def measured(model: CollisionModel, at: Configuration, indices: Array) -> tuple[Array, Array, Array]:
-    return model._measure(indices, at.rotations[model._joints], at.translations[model._joints])
 
 
 CASES = [("gen3", "robotiq_85_left_finger_link", 1), ("gen3", "bracelet_link", 2), ("toy", "arm", 3)]
@@ -437,7 +433,7 @@ def check_gradients(model: CollisionModel, robot: RobotModel, posture: Array, wa
     assert wanted is None or wanted in here.indices
 
     def values(posture: Array) -> Array:
-        return measured(model, configuration(robot, posture), here.indices)[0]
+        return model.measure(here.indices, configuration(robot, posture))[0]
 
     numeric = differences(values, posture)
     np.testing.assert_allclose(here.gradients, numeric, atol=1e-6)
@@ -470,7 +466,7 @@ def check_witnesses(model: CollisionModel, at: Configuration) -> None:
     A hair's breadth is left between them: of bodies that touch exactly Coal may say that they are 1e308 m apart.
     """
     indices = np.flatnonzero(np.arange(len(model.pairs)) % 3 == 0)
-    values, points, normals = measured(model, at, indices)
+    values, points, normals = model.measure(indices, at)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
     for index, d, p1, n in zip(indices, values, points, normals, strict=True):
         first, second = (model._solids[i] for i in (model.pairs[index].first, model.pairs[index].second))
@@ -508,7 +504,7 @@ def test_pairs_left_out_are_beyond_reach(sphere_task: TaskModel) -> None:
     for posture in random_postures(sphere_task.robot, 5, seed=8):
         at = configuration(sphere_task.robot, posture)
         others = np.setdiff1d(np.arange(len(model.pairs)), model.distances(at).indices)
-        values, _, _ = measured(model, at, others)
+        values, _, _ = model.measure(others, at)
         left_out += len(others)
         assert values.min() >= REACH - 1e-9
     assert left_out > 100

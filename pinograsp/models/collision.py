@@ -16,12 +16,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import coal
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Indices, cross
 from ..descriptions import SceneDescription, TaskDescription
 from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
 from .kinematics import Configuration
@@ -88,8 +88,7 @@ class CollisionModel:
         second = np.array([pair.second for pair in self.pairs])
         joints = np.array([solid.joint for solid in self._solids])
         self._joints = joints
-        self._turns = np.array([solid.placement[:3, :3] for solid in self._solids])
-        self._shifts = np.array([solid.placement[:3, 3] for solid in self._solids])
+        self._placements = np.array([solid.placement for solid in self._solids])
         self._centers = np.array([solid.center for solid in self._solids])
         self._first, self._second = first, second
         self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
@@ -116,34 +115,27 @@ class CollisionModel:
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
-        rotations = configuration.rotations[self._joints]
-        translations = configuration.translations[self._joints]
-        centers = np.matmul(rotations, self._centers[:, :, None])[:, :, 0] + translations
-        indices = np.flatnonzero(self._lower_bounds(centers) < self._reach)
-        translations = np.matmul(rotations, self._shifts[:, :, None])[:, :, 0] + translations
-        values, points, normals = self._measure(indices, np.matmul(rotations, self._turns), translations)
-        arms = np.cross(points, normals)
-        along = np.concatenate([normals, arms], axis=1) @ configuration.jacobian
+        indices = np.flatnonzero(self._lower_bounds(configuration) < self._reach)
+        values, points, normals = self.measure(indices, configuration)
+        along = np.concatenate([normals, cross(points, normals)], axis=1) @ configuration.jacobian
         return Distances(indices, values, (along * self._moves[indices]) @ self._robot.B)
 
-    def _lower_bounds(self, centers: Array) -> Array:
-        bounds = np.empty(len(self.pairs))
-        to_walls = centers[self._moving] @ self._wall_normals.T - self._wall_offsets - self._moving_radii[:, None]
-        bounds[: self._to_walls] = to_walls.ravel()
-        # `take` and `einsum` because they need a third of the time of indexing and summing.
-        apart = centers.take(self._apart[0], axis=0) - centers.take(self._apart[1], axis=0)
-        bounds[self._to_walls :] = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - self._pair_radii
-        return bounds
+    def measure(self, indices: Indices, configuration: Configuration) -> tuple[Array, Array, Array]:
+        """Measure some pairs, whether near or not.
 
-    def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:
-        """Return distances (k,), witness points on the first bodies (k, 3) and normals (k, 3), solids posed so."""
-        values, points, normals = (
-            np.empty(len(indices)),
-            np.empty((len(indices), 3)),
-            np.empty((len(indices), 3)),
-        )
-        for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
-            self._poses[solid].setTransform(rotations[solid], translations[solid])
+        Returns:
+            Distances (k,), witness points on the first bodies (k, 3), and unit normals from the first bodies to the
+            second (k, 3); m, world.
+        """
+        solids = list({*self._first[indices].tolist(), *self._second[indices].tolist()})
+        joints = self._joints[solids]
+        turns, shifts = configuration.rotations[joints], configuration.translations[joints]
+        shifts = shifts + np.matmul(turns, self._placements[solids, :3, 3:])[:, :, 0]
+        turns = np.matmul(turns, self._placements[solids, :3, :3])
+        for solid, turn, shift in zip(solids, turns, shifts, strict=True):
+            self._poses[solid].setTransform(turn, shift)
+        values = np.empty(len(indices))
+        points, normals = np.empty((len(indices), 3)), np.empty((len(indices), 3))
         result = self._result
         for row, index in enumerate(indices.tolist()):
             result.clear()
@@ -151,6 +143,17 @@ class CollisionModel:
             points[row] = result.getNearestPoint1()
             normals[row] = result.normal
         return values, points, normals
+
+    def _lower_bounds(self, configuration: Configuration) -> Array:
+        turns, shifts = configuration.rotations[self._joints], configuration.translations[self._joints]
+        centers = np.matmul(turns, self._centers[:, :, None])[:, :, 0] + shifts
+        bounds = np.empty(len(self.pairs))
+        to_walls = centers[self._moving] @ self._wall_normals.T - self._wall_offsets - self._moving_radii[:, None]
+        bounds[: self._to_walls] = to_walls.ravel()
+        # `take` and `einsum` because they need a third of the time of indexing and summing.
+        apart = centers.take(self._apart[0], axis=0) - centers.take(self._apart[1], axis=0)
+        bounds[self._to_walls :] = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - self._pair_radii
+        return bounds
 
     def _pairs(self, links: int, hulls: int, walls: int, obstacles: int) -> list[Pair]:
         """List the pairs that can move against each other; wall pairs first, link by link.
