@@ -229,6 +229,51 @@ def test_two_synergies_of_one_joint(tmp_path: Path) -> None:
     assert (error.key, error.line) == ("hand.synergies[1].joint", line_of(text, "- joint: robotiq"))
 
 
+CLOSE = {"name": "close", "joints": {"slide_left": 1.0}}
+SYNERGY = ["a synergy is one joint, or has a name and joints", "Write `joint: finger`, or `name: close`"]
+
+
+@pytest.mark.parametrize(
+    ("synergies", "rest", "key", "words"),
+    [
+        ([[1.0, 0.5], [1.0]], {}, "hand.synergies[0]", SYNERGY),  # a matrix: its numbers belong to no joints
+        (["slide_left"], {}, "hand.synergies[0]", SYNERGY),
+        ([{"name": "close"}], {}, "hand.synergies[0]", SYNERGY),
+        ([{"joints": {"slide_left": 1.0}}], {}, "hand.synergies[0]", SYNERGY),
+        ([{"joint": "slide_left", "name": "close"}], {}, "hand.synergies[0]", SYNERGY),
+        ([CLOSE | {"joints": [1.0, 0.5]}], {}, "hand.synergies[0].joints", ["with the names of joints", "{finger: 1"]),
+        ([CLOSE | {"joints": {"slide_left": [1.0, 2.0]}}], {}, "hand.synergies[0].joints.slide_left", ["a number"]),
+        ([CLOSE | {"joints": {"slide_left": 0}}], {}, "hand.synergies[0].joints.slide_left", ["moves nothing"]),
+        ([CLOSE | {"joints": {"slide_rigt": 1}}], {}, "hand.synergies[0].joints.slide_rigt", ["mean slide_right"]),
+        ([CLOSE | {"joints": {"slide_right": 1}}], {}, "hand.synergies[0].joints.slide_right", ["Name 'slide_left'"]),
+        ([CLOSE | {"joints": {"shoulder": 1}}], {}, "hand.synergies[0].joints.shoulder", ["already an arm joint"]),
+        ([CLOSE | {"name": "shoulder"}], {}, "hand.synergies[0].name", ["a joint has this name", "Use another one"]),
+        ([CLOSE, CLOSE], {}, "hand.synergies[1].name", ["'close' is given twice"]),
+        ([{"joint": "slide_left"}, CLOSE], {}, "hand.synergies[1].joints.slide_left", ["a synergy of its own"]),
+        ([{"joint": "slide_left"}], {"slide_left": 0.01}, "hand.rest.slide_left", ["has no rest"]),
+        ([CLOSE], {"slide_lft": 0.01}, "hand.rest.slide_lft", ["is not in toy.urdf. Did you mean slide_left"]),
+        ([CLOSE, CLOSE | {"name": "more"}], {}, "hand.synergies", ["'close' has no usable limits", "Give them"]),
+        ([], {}, "hand.synergies", ["at least 1"]),
+    ],
+    ids=str,
+)
+def test_synergies_that_are_refused(
+    synergies: list[Any], rest: dict[str, float], key: str, words: list[str], tmp_path: Path
+) -> None:
+    error = refused_urdf(tmp_path, hand={"synergies": synergies, "rest": rest})
+    assert (error.file, error.key) == (tmp_path / "robot.yaml", key)
+    for word in words:
+        assert word in str(error)
+
+
+@pytest.mark.parametrize(("pads", "count"), [([], 0), (TOY_ROBOT["pads"][:1], 1), (None, 0)])
+def test_hand_without_contacts(pads: list[Any] | None, count: int, tmp_path: Path) -> None:
+    error = refused_urdf(tmp_path, pads=pads)
+    assert (error.file, error.key) == (tmp_path / "robot.yaml", "pads")
+    assert error.line is not None
+    assert f"two pads or more, not with {count}. Describe the finger surfaces" in str(error)
+
+
 @pytest.mark.parametrize(
     ("content", "words", "line"),
     [

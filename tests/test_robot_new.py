@@ -249,7 +249,7 @@ def test_hand_without_flat_faces(run: Run, tmp_path: Path) -> None:
     assert "pads: no two flat faces of the fingers close on each other; write them by hand" in output
     text = (tmp_path / "robot.yaml").read_text()
     assert "# CHECK: no two flat faces" in text
-    with pytest.raises(InputError, match="pads: at least 2 values are wanted"):
+    with pytest.raises(InputError, match="pads: a hand holds with two pads or more, not with 0"):
         load_robot_description(tmp_path)
     # The example in the comment, taken as it is, fits the schema.
     start = text.index("#   - name: left")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, field_validator, model_validator
 
@@ -56,6 +56,10 @@ class ArmDescription(Frozen):
         return self
 
 
+_SYNERGY = "a synergy is one joint, or has a name and joints"
+_SYNERGY_REMEDY = "Write `joint: finger`, or `name: close` with `joints: {finger: 1.0, thumb: 0.5}`"
+
+
 class SynergyDescription(Frozen):
     """One input of the hand, a column of the synergy matrix S (3): a joint, or several joints that move together.
 
@@ -71,6 +75,16 @@ class SynergyDescription(Frozen):
     limits: Interval | None = None
     """Limits in rad (m), or in units of the synergy; what the URDF allows its joints if not given."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _names_joints(cls, value: Any) -> Any:
+        """Refuse a column of a matrix, which does not say which joint a number is for."""
+        if isinstance(value, list | str | int | float):
+            raise wrong(_SYNERGY, remedy=_SYNERGY_REMEDY)
+        if isinstance(value, dict) and isinstance(value.get("joints"), list):
+            raise wrong("the angles of a synergy go with the names of joints", "joints", remedy=_SYNERGY_REMEDY)
+        return value
+
     @field_validator("limits")
     @classmethod
     def _limits_ordered(cls, value: Interval | None) -> Interval | None:
@@ -79,8 +93,7 @@ class SynergyDescription(Frozen):
     @model_validator(mode="after")
     def _one_or_several(self) -> SynergyDescription:
         if (self.joint is None) == (not self.joints) or (self.joint is None) == (self.name is None):
-            remedy = "Write `joint: finger`, or `name: close` with `joints: {finger: 1.0, thumb: 0.5}`"
-            raise wrong("a synergy is one joint, or has a name and joints", remedy=remedy)
+            raise wrong(_SYNERGY, remedy=_SYNERGY_REMEDY)
         for name, factor in self.joints.items():
             if factor == 0.0:
                 raise wrong("0 moves nothing", "joints", name, remedy="Leave it out")
@@ -276,6 +289,14 @@ class RobotDescription(Composition):
     pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
     stiffness: StiffnessDescription
     collision: CollisionDescription = CollisionDescription()
+
+    @field_validator("pads", mode="before")
+    @classmethod
+    def _two_pads(cls, value: Any) -> Any:
+        if value is None or (isinstance(value, list) and len(value) < 2):
+            remedy = "Describe the finger surfaces that are to touch objects; `pinograsp robot new` finds flat ones"
+            raise wrong(f"a hand holds with two pads or more, not with {len(value or ())}", remedy=remedy)
+        return value
 
     @field_validator("pads")
     @classmethod
