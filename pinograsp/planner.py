@@ -21,7 +21,7 @@ from .descriptions.scene import Margins
 from .errors import InputError
 from .models import RobotModel
 from .pool import work
-from .problem import UNITS, TaskModel, check_task
+from .problem import UNITS, GraspProblem, TaskModel, check_task
 from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
 from .solve import LocalSolver, Solution, SolverOptions, starts_near
 from .solve.local import Outcome
@@ -96,6 +96,7 @@ def plan(
     workers = workers or os.cpu_count() or 1
     model = TaskModel(robot, scene, task)
     warnings = check_task(model)
+    _evaluate_once(model)
     attempts: list[Attempt] = []
     interrupted = False
     times = {"prepare": time.perf_counter() - began}
@@ -115,6 +116,12 @@ def plan(
         interrupted = True
     times["total"] = time.perf_counter() - began
     return _result(robot, scene, task, starts, attempts, interrupted, times, run, warnings)
+
+
+def _evaluate_once(model: TaskModel) -> None:
+    """Have everything compiled that evaluations need, here and once, not in every worker."""
+    problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+    problem.evaluate(0.5 * (problem.lower + problem.upper))
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import TOY_SCENE, Array, SceneFactory, random_parameters
+from conftest import TOY_SCENE, Array, SceneFactory, agree, random_parameters
 
 from pinograsp.descriptions import SceneDescription
 from pinograsp.errors import InputError
@@ -28,7 +28,7 @@ from pinograsp.problem.terms import (
     force_cost,
     unbalanced_wrench,
 )
-from pinograsp.problem.terms.clearance import FAR, NEAR, SMOOTHING, _bent
+from pinograsp.problem.terms.clearance import NEAR, SMOOTHING, bend
 from pinograsp.solve.projection import Projection, _damped_step, beginnings, nearest_assignment
 
 TERMS: dict[str, Callable[[GraspProblem], Callable[[State], Residual]]] = {
@@ -129,28 +129,6 @@ def place(request: pytest.FixtureRequest) -> Place:
     if where == "near":
         x = project(problem, x, "contacts and clearance") + rng.normal(0.0, 1e-4, len(x))
     return Place(problem, x)
-
-
-def differences(function: Callable[[Array], Any], x: Array, step: float) -> Array:
-    """Return central differences of an array-valued function, shape (..., v)."""
-    return np.stack([np.asarray(function(x + d) - function(x - d)) / (2 * step) for d in step * np.eye(len(x))], -1)
-
-
-def agree(jacobian: Array, function: Callable[[Array], Any], x: Array, floor: float = 1e-2) -> None:
-    """Compare row by row to 1e-5 of the row's largest slope (at least `floor`), with the best of three step sizes.
-
-    The longest step is for rows with rounding errors (V* of 1e9), the shorter for the rounded kink of the balance.
-    """
-    jacobian = np.atleast_2d(jacobian)
-    best = np.full(len(jacobian), np.inf)
-    for step in (1e-6, 1e-7, 1e-8):
-        numeric = np.atleast_2d(differences(function, x, step))
-        assert jacobian.shape == numeric.shape
-        relative = np.abs(jacobian - numeric).max(axis=1) / np.maximum(np.abs(numeric).max(axis=1), floor)
-        best = np.minimum(best, relative)
-        if (best <= 1e-5).all():
-            return
-    assert best.max() <= 1e-5
 
 
 # ---- derivatives
@@ -295,16 +273,21 @@ def test_violations_are_in_millimetres(grasp: Place) -> None:
 
 
 def test_bent_distance_is_smooth() -> None:
-    """phi is d up to NEAR, FAR from REACH on, and in between rises with a slope that falls from 1 to 0."""
+    """phi is d up to NEAR, constant from REACH on, and in between rises with a slope that falls from 1 to 0."""
+
+    def bent(d: Array) -> tuple[Array, Array]:
+        values, slopes = zip(*(bend(value, REACH) for value in d.tolist()), strict=True)
+        return np.array(values), np.array(slopes)
+
     d = np.linspace(-0.02, 0.08, 2001)
-    values, slopes = _bent(d)
+    values, slopes = bent(d)
     np.testing.assert_array_equal(values[d <= NEAR], d[d <= NEAR])
-    np.testing.assert_allclose(values[d >= REACH], FAR, atol=1e-15)
-    numeric = (_bent(d + 1e-7)[0] - _bent(d - 1e-7)[0]) / 2e-7
+    np.testing.assert_allclose(values[d >= REACH], 0.5 * (NEAR + REACH), atol=1e-15)
+    numeric = (bent(d + 1e-7)[0] - bent(d - 1e-7)[0]) / 2e-7
     np.testing.assert_allclose(slopes, numeric, atol=1e-6)
     assert (np.diff(slopes) <= 1e-12).all()
-    bends = (_bent(np.array([NEAR, REACH]) + 1e-7)[1] - _bent(np.array([NEAR, REACH]) - 1e-7)[1]) / 2e-7
-    np.testing.assert_allclose(bends, 0.0, atol=1e-2)
+    curvatures = (bent(np.array([NEAR, REACH]) + 1e-7)[1] - bent(np.array([NEAR, REACH]) - 1e-7)[1]) / 2e-7
+    np.testing.assert_allclose(curvatures, 0.0, atol=1e-2)
 
 
 def test_clearance_is_a_tight_lower_bound(place: Place) -> None:
@@ -317,7 +300,7 @@ def test_clearance_is_a_tight_lower_bound(place: Place) -> None:
     worst: dict[str, float] = {}
     for index, pair in enumerate(model.collisions.pairs):
         d = known.get(index, math.inf)
-        bent = float(_bent(np.array([min(d - margins[pair.kind], REACH)]))[0][0])
+        bent, _ = bend(min(d - margins[pair.kind], REACH), REACH)
         least[pair.link] = min(least[pair.link], bent)
         if index in known:
             worst[pair.kind] = min(worst.get(pair.kind, math.inf), d - margins[pair.kind])
@@ -334,7 +317,7 @@ def test_margin_larger_than_the_reach_can_be_kept(gen3: RobotModel, glovebox: Sc
     stretched = np.array([0.0, 0.3, 0.0, -0.6, 0.0, 0.3, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0])
     state = problem.state(stretched)
     links = dict(zip(problem.clearance.links, problem.clearance(state).values.tolist(), strict=True))
-    assert links["shoulder_link"] > 0.8 * FAR
+    assert links["shoulder_link"] > 0.4 * (NEAR + REACH)
     assert problem.clearance.worst(state)["enclosure"][0] == pytest.approx(min(links.values()), abs=2e-3)
 
 

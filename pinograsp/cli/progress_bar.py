@@ -10,6 +10,9 @@ from ..database import BuildProgress
 from ..planner import Progress
 
 
+PREPARING = "preparing (longer the first time on a machine, and with a new robot)"
+
+
 class ProgressBar:
     """A bar for each kind of work, shown once that work begins; a context manager."""
 
@@ -17,7 +20,7 @@ class ProgressBar:
         self._bar = Bar(
             TextColumn("{task.description}"),
             BarColumn(),
-            TextColumn("{task.completed:,.0f}/{task.total:,.0f} {task.fields[note]}"),
+            TextColumn("{task.fields[note]}"),
             TimeRemainingColumn(),
             console=console,
             transient=True,
@@ -25,6 +28,7 @@ class ProgressBar:
         )
         names = ("start database", "sorting", "starts")
         self._rows = {name: self._bar.add_task(name, total=1, note="", visible=False) for name in names}
+        self._preparing = self._bar.add_task(PREPARING, total=None, note="")
 
     def __enter__(self) -> ProgressBar:
         """Start the bar."""
@@ -46,4 +50,5 @@ class ProgressBar:
             self._show("starts", progress.done, progress.total, f"reliable {progress.reliable}, best U {best}")
 
     def _show(self, name: str, done: int, total: int, note: str) -> None:
-        self._bar.update(self._rows[name], completed=done, total=total, note=note, visible=True)
+        self._bar.update(self._preparing, visible=False)
+        self._bar.update(self._rows[name], completed=done, total=total, note=f"{done:,}/{total:,} {note}", visible=True)

@@ -1,4 +1,4 @@
-"""The cost V of contact forces, appendix A of the paper.
+"""The cost V of contact forces, appendix A of the paper, and its minimiser over internal forces.
 
 For contact i with force F, normal force f_n = F . n (n into the object) and, for a soft finger, spin torque m:
 
@@ -23,12 +23,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
+from ..compiled import compiled
 from .contacts import ContactModels
 
+MAX_ITERATIONS = 60
+ARMIJO = 1e-4
+SQUEEZE = 0.7
+"""Normal force, in parts of f_max, at which the search for y* starts."""
 _TINY = 1e-24
 """Rounds the tip of the friction cone: added to squared norms, N^2."""
 
@@ -56,6 +62,11 @@ class ForceLimits:
         """A V below this proves every sigma < -kappa: each single term is below 1 / (2 kappa^2)."""
         return 0.5 / self.kappa**2
 
+    @property
+    def constants(self) -> tuple[float, float, float, float]:
+        """alpha, f_min, f_max, kappa."""
+        return self.alpha, self.minimum, self.maximum, self.kappa
+
 
 @dataclass(frozen=True)
 class Barrier:
@@ -72,7 +83,7 @@ def constraint_values(f: Array, normals: Array, models: ContactModels, limits: F
     """Return sigma_f, sigma_m, sigma_M of every contact, N, shape (3, n)."""
     forces = models.forces(f)
     square = (forces * forces).sum(axis=1) + _TINY
-    friction_norm = np.sqrt(square + _spin_square(f, models))
+    friction_norm = np.sqrt(square + (models.spins(f) * models.rows.inverse_radius) ** 2)
     normal_force = (forces * normals).sum(axis=1)
     return np.stack(
         [
@@ -85,72 +96,211 @@ def constraint_values(f: Array, normals: Array, models: ContactModels, limits: F
 
 def barrier(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Barrier:
     """Return V (A7) with its gradient in f and in the normals (n, 3)."""
-    forces = models.forces(f)
-    square = (forces * forces).sum(axis=1) + _TINY
-    friction_norm = np.sqrt(square + _spin_square(f, models))
-    V, slope, _ = penalty(constraint_values(f, normals, models, limits), limits.kappa)
-    friction_slope = limits.alpha * slope[0] / friction_norm
-    pressing = slope[0] + slope[1]
-    gradient = np.empty_like(f)
-    gradient[models.force_rows] = (friction_slope + slope[2] / np.sqrt(square))[:, None] * forces
-    gradient[models.force_rows] -= pressing[:, None] * normals
-    if models.soft.size:
-        gradient[models.spin_rows] = friction_slope[models.soft] * f[models.spin_rows] * models.inverse_radius**2
-    return Barrier(float(V.sum()), gradient, -pressing[:, None] * forces)
+    return Barrier(*_barrier(f, normals, *models.rows, *limits.constants))
 
 
-def _spin_square(f: Array, models: ContactModels) -> Array:
-    square = np.zeros(models.count)
-    if models.soft.size:
-        square[models.soft] = (f[models.spin_rows] * models.inverse_radius) ** 2
-    return square
+@compiled
+def _barrier(
+    f: Array,
+    normals: Array,
+    force: Indices,
+    spin: Indices,
+    inverse_radius: Array,
+    alpha: float,
+    minimum: float,
+    maximum: float,
+    kappa: float,
+) -> tuple[float, Array, Array]:
+    V, gradient, normal_gradient = 0.0, np.zeros(len(f)), np.empty((len(force), 3))
+    for i in range(len(force)):
+        row, torsion = force[i], f[spin[i]] * inverse_radius[i]
+        square, pressing = _TINY, 0.0
+        for axis in range(3):
+            square += f[row + axis] ** 2
+            pressing += f[row + axis] * normals[i, axis]
+        size, cone = math.sqrt(square), math.sqrt(square + torsion**2)
+        V_f, friction, _ = penalty(alpha * cone - pressing, kappa)
+        V_m, least, _ = penalty(minimum - pressing, kappa)
+        V_M, greatest, _ = penalty(size - maximum, kappa)
+        V += V_f + V_m + V_M
+        along = alpha * friction / cone
+        for axis in range(3):
+            F, n = f[row + axis], normals[i, axis]
+            gradient[row + axis] = (along + greatest / size) * F - (friction + least) * n
+            normal_gradient[i, axis] = -(friction + least) * F
+        if spin[i] >= 0:
+            gradient[spin[i]] = along * torsion * inverse_radius[i]
+    return V, gradient, normal_gradient
 
 
-def penalty(sigma: Array, kappa: float) -> tuple[Array, Array, Array]:
-    """Return (A6) of every sigma with its first and second derivative."""
-    a, b, c = 1.5 / kappa**4, 4.0 / kappa**3, 3.0 / kappa**2
-    inside = sigma < -kappa
-    inverse = 1.0 / np.where(inside, sigma, -1.0)
-    square = inverse * inverse
-    if inside.all():
+@compiled
+def penalty(sigma: float, kappa: float) -> tuple[float, float, float]:
+    """Return (A6) of a sigma with its first and second derivative."""
+    if sigma < -kappa:
+        inverse = 1.0 / sigma
+        square = inverse * inverse
         return 0.5 * square, -square * inverse, 3.0 * square * square
-    V = np.where(inside, 0.5 * square, (a * sigma + b) * sigma + c)
-    slope = np.where(inside, -square * inverse, 2.0 * a * sigma + b)
-    curvature = np.where(inside, 3.0 * square * square, 2.0 * a)
-    return V, slope, curvature
+    a, b, c = 1.5 / kappa**4, 4.0 / kappa**3, 3.0 / kappa**2
+    return (a * sigma + b) * sigma + c, 2.0 * a * sigma + b, 2.0 * a
 
 
-class ReducedBarrier:
-    """V as a function of y, for f = f_p + E y."""
+@compiled
+def minimiser(
+    f_p: Array,
+    E: Array,
+    normals: Array,
+    force: Indices,
+    spin: Indices,
+    inverse_radius: Array,
+    alpha: float,
+    minimum: float,
+    maximum: float,
+    kappa: float,
+) -> Array:
+    """Return y* (8), shape (e_s,).
 
-    def __init__(self, f_p: Array, E: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> None:
-        n, size = models.count, E.shape[1] + 1
-        Z = np.column_stack([f_p, E])
-        force = Z[models.force_rows]
-        pressing = np.matmul(normals[:, None, :], force)[:, 0]
-        self._M = np.empty((3 * n, size, size))
-        gram = np.matmul(force.transpose(0, 2, 1), force)
-        gram[:, 0, 0] += _TINY
-        self._M[:n] = self._M[n : 2 * n] = self._M[2 * n :] = gram
-        for i, row, inverse in zip(models.soft, models.spin_rows, models.inverse_radius, strict=True):
-            self._M[i] += np.outer(Z[row], Z[row]) * inverse**2
-        self._alpha = np.repeat([limits.alpha, 0.0, 1.0], n)
-        self._beta = np.zeros((3 * n, size))
-        self._beta[:n] = self._beta[n : 2 * n] = -pressing
-        self._gamma = np.repeat([0.0, limits.minimum, -limits.maximum], n)
-        self._kappa = limits.kappa
-        self.pressing = pressing
+    V is strictly convex in y, so a damped Newton iteration in e_s dimensions finds the minimiser to machine
+    precision from anywhere. It starts where the squeezing force is nearest to a fixed part of what the contacts may
+    bear.
 
-    def __call__(self, y: Array) -> tuple[float, Array, Array]:
-        """Return V, dV/dy and d2V/dy2."""
-        u = np.concatenate([[1.0], y])
-        Mu = self._M @ u
-        norm = np.sqrt(Mu @ u)
-        sigma = self._alpha * norm + self._beta @ u + self._gamma
-        V, slope, curvature = penalty(sigma, self._kappa)
-        unit = Mu / norm[:, None]
-        direction = self._alpha[:, None] * unit + self._beta
-        bend = slope * self._alpha / norm
-        hessian = (direction.T * curvature) @ direction - (unit.T * bend) @ unit
-        hessian += (bend @ self._M.reshape(len(bend), -1)).reshape(hessian.shape)
-        return float(V.sum()), slope @ direction[:, 1:], hessian[1:, 1:]
+    Args:
+        f_p: particular solution, N, shape (c,).
+        E: basis of the internal forces, shape (c, e_s), e_s > 0.
+        normals: unit normals into the object, shape (n, 3).
+        force: with `spin` and `inverse_radius` the `ContactModels.rows`.
+        spin: shape (n,).
+        inverse_radius: 1/m, shape (n,).
+        alpha: with the others the `ForceLimits.constants`.
+        minimum: N.
+        maximum: N.
+        kappa: N.
+    """
+    reduced = reduced_barrier(f_p, E, normals, force, spin, inverse_radius, alpha, minimum, maximum, kappa)
+    y = _initial(reduced)
+    V, gradient, hessian = reduced_value(reduced, y)
+    for _ in range(MAX_ITERATIONS):
+        step = -np.linalg.solve(hessian, gradient)
+        decrement = -(gradient * step).sum()
+        if decrement <= 1e-15 * (1.0 + V):
+            return y + step
+        length = 1.0
+        trial = reduced_value(reduced, y + step)
+        while not trial[0] <= V - ARMIJO * length * decrement:
+            length *= 0.5
+            if length < 1e-10:
+                return y
+            trial = reduced_value(reduced, y + length * step)
+        y = y + length * step
+        V, gradient, hessian = trial
+    return y
+
+
+@compiled
+def _initial(reduced: ReducedBarrier) -> Array:
+    """Return the y whose normal forces are nearest to SQUEEZE f_max (least squares)."""
+    n, size = len(reduced.pressing), reduced.pressing.shape[1] - 1
+    square, right = 1e-12 * np.eye(size), np.zeros(size)
+    for i in range(n):
+        per_y = reduced.pressing[i, 1:]
+        for j in range(size):
+            right[j] += per_y[j] * (SQUEEZE * reduced.maximum - reduced.pressing[i, 0])
+            for k in range(size):
+                square[j, k] += per_y[j] * per_y[k]
+    return np.linalg.solve(square, right)  # type: ignore[return-value]
+
+
+class ReducedBarrier(NamedTuple):
+    """V as a function of y, for f = f_p + E y, with e_s entries of y: matrices of m = 1 + e_s rows."""
+
+    cone: Array
+    """Gram matrices M_j of sigma_f, shape (n, m, m)."""
+    size: Array
+    """Gram matrices M_j of sigma_M, shape (n, m, m)."""
+    pressing: Array
+    """Normal forces per u, shape (n, m)."""
+    alpha: float
+    minimum: float
+    maximum: float
+    kappa: float
+
+
+@compiled
+def reduced_barrier(
+    f_p: Array,
+    E: Array,
+    normals: Array,
+    force: Indices,
+    spin: Indices,
+    inverse_radius: Array,
+    alpha: float,
+    minimum: float,
+    maximum: float,
+    kappa: float,
+) -> ReducedBarrier:
+    """Return V in terms of y, from `ContactModels.rows` and `ForceLimits.constants`; E has shape (c, e_s)."""
+    n, m = len(force), E.shape[1] + 1
+    Z = np.empty((len(f_p), m))
+    for row in range(len(f_p)):
+        Z[row, 0] = f_p[row]
+        for k in range(1, m):
+            Z[row, k] = E[row, k - 1]
+    cone, size, pressing = np.zeros((n, m, m)), np.zeros((n, m, m)), np.zeros((n, m))
+    for i in range(n):
+        size[i, 0, 0] = _TINY
+        for j in range(m):
+            for axis in range(3):
+                F = Z[force[i] + axis]
+                pressing[i, j] += normals[i, axis] * F[j]
+                for k in range(m):
+                    size[i, j, k] += F[j] * F[k]
+            for k in range(m):
+                cone[i, j, k] = size[i, j, k] + Z[spin[i], j] * Z[spin[i], k] * inverse_radius[i] ** 2
+    return ReducedBarrier(cone, size, pressing, alpha, minimum, maximum, kappa)
+
+
+@compiled
+def reduced_value(reduced: ReducedBarrier, y: Array) -> tuple[float, Array, Array]:
+    """Return V, dV/dy and d2V/dy2, shapes (), (e_s,), (e_s, e_s)."""
+    m = len(y) + 1
+    u = np.ones(m)
+    u[1:] = y
+    V, gradient, hessian = 0.0, np.zeros(m), np.zeros((m, m))
+    for i in range(len(reduced.pressing)):
+        pressing = reduced.pressing[i]
+        V += _add_term(reduced.cone[i], reduced.alpha, pressing, -1.0, 0.0, u, reduced.kappa, gradient, hessian)
+        V += _add_term(reduced.size[i], 0.0, pressing, -1.0, reduced.minimum, u, reduced.kappa, gradient, hessian)
+        V += _add_term(reduced.size[i], 1.0, pressing, 0.0, -reduced.maximum, u, reduced.kappa, gradient, hessian)
+    return V, gradient[1:].copy(), hessian[1:, 1:].copy()
+
+
+@compiled
+def _add_term(
+    M: Array,
+    alpha: float,
+    pressing: Array,
+    beta: float,
+    gamma: float,
+    u: Array,
+    kappa: float,
+    gradient: Array,
+    hessian: Array,
+) -> float:
+    """Return the penalty of one sigma_j(u), where beta_j = beta pressing, and add its derivatives in u."""
+    m = len(u)
+    unit = np.zeros(m)
+    square, sigma = 0.0, gamma
+    for j in range(m):
+        for k in range(m):
+            unit[j] += M[j, k] * u[k]
+        square += unit[j] * u[j]
+        sigma += beta * pressing[j] * u[j]
+    norm = math.sqrt(square)
+    V, slope, curvature = penalty(sigma + alpha * norm, kappa)
+    unit /= norm
+    for j in range(m):
+        direction = alpha * unit[j] + beta * pressing[j]
+        gradient[j] += slope * direction
+        for k in range(m):
+            bent = slope * alpha / norm * (M[j, k] - unit[j] * unit[k])
+            hessian[j, k] += bent + curvature * direction * (alpha * unit[k] + beta * pressing[k])
+    return V

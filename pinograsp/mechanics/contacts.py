@@ -9,10 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, Indices
+
+
+class Rows(NamedTuple):
+    """Where the parts of f are."""
+
+    force: Indices
+    """First of the three rows of F_i, shape (n,)."""
+    spin: Indices
+    """Row of m_i, -1 for a hard finger, shape (n,)."""
+    inverse_radius: Array
+    """1 / e, 0 for a hard finger, 1/m, shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -30,64 +42,26 @@ class ContactModels:
         return cls(np.zeros(count), np.full(3 * count, 1.0 / stiffness))
 
     @cached_property
-    def count(self) -> int:
-        """Number of contacts."""
-        return len(self.torsion_radius)
-
-    @cached_property
     def soft(self) -> Indices:
         """Indices of the soft fingers."""
         return np.flatnonzero(self.torsion_radius > 0)
 
     @cached_property
-    def force_rows(self) -> Indices:
-        """Rows of f that hold F_i, shape (n, 3)."""
-        sizes = 3 + (self.torsion_radius > 0)
-        first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-        rows: Indices = first[:, None] + np.arange(3)
-        return rows
-
-    @cached_property
-    def spin_rows(self) -> Indices:
-        """Rows of f that hold m_i, shape (soft,)."""
-        rows: Indices = self.force_rows[self.soft, 2] + 1
-        return rows
-
-    @cached_property
-    def inverse_radius(self) -> Array:
-        """1 / e of the soft fingers, shape (soft,)."""
-        return np.asarray(1.0 / self.torsion_radius[self.soft])
+    def rows(self) -> Rows:
+        """Where the parts of f are."""
+        soft = self.torsion_radius > 0
+        first = np.cumsum(3 + soft) - (3 + soft)
+        return Rows(
+            first, np.where(soft, first + 3, -1), np.where(soft, 1.0 / np.where(soft, self.torsion_radius, 1.0), 0.0)
+        )
 
     def forces(self, f: Array) -> Array:
         """Return the force of every contact, shape (n, 3)."""
-        return f[self.force_rows]
+        return np.asarray(f[self.rows.force[:, None] + np.arange(3)])
 
     def spins(self, f: Array) -> Array:
         """Return the spin torque of every contact (zero for hard fingers), shape (n,)."""
-        spins = np.zeros(self.count)
-        spins[self.soft] = f[self.spin_rows]
-        return spins
-
-    @cached_property
-    def grasp_template(self) -> Array:
-        """The part of G that no configuration changes, shape (6, c): a force on the object is its sum."""
-        G = np.zeros((6, len(self.contact_compliance)))
-        for rows in self.force_rows:
-            G[:3, rows] = np.eye(3)
-        return G
-
-    @cached_property
-    def structural_compliance(self) -> Array:
-        """C_s, shape (c, c)."""
-        return np.diag(self.contact_compliance)
-
-    def wrenches(self, f: Array, normals: Array) -> Array:
-        """Return force and torque at every contact point, shape (n, 6), for normals of shape (n, 3)."""
-        wrenches = np.zeros((self.count, 6))
-        wrenches[:, :3] = f[self.force_rows]
-        if self.soft.size:
-            wrenches[self.soft, 3:] = f[self.spin_rows, None] * normals[self.soft]
-        return wrenches
+        return np.where(self.rows.spin < 0, 0.0, f[self.rows.spin])
 
 
 @dataclass(frozen=True)

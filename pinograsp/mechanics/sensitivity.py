@@ -21,7 +21,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
+from ..compiled import compiled
 from .contacts import ContactDerivatives, ContactModels, Contacts
 from .forces import ForceSolution
 from .statics import Statics
@@ -35,59 +36,123 @@ def force_cost_gradient(
     solution: ForceSolution,
 ) -> Array:
     """Return dV*/dx, shape (v,)."""
-    g = solution.barrier.gradient
-    f = solution.f
-    G, K, J = statics.G, statics.K, statics.J
-    inverse = statics.compliance_inverse
-    Sx = statics.reference_displacement(solution.y)
-    nu = inverse @ (statics.load.scaled + G @ (K @ (J @ Sx)))
-    b = inverse @ (G @ (K @ g))
-    a = K @ (g - G.T @ b)
-
-    def dG(left: Array, right: Array) -> Array:
-        return _grasp_matrix_change(left, right, statics, derivatives, models)
-
-    C_q = statics.hand.joint_compliance
-    gradient = _jacobian_change(a, Sx - C_q * (J.T @ f), contacts, derivatives, models)
-    gradient -= _jacobian_change(f, C_q * (J.T @ a), contacts, derivatives, models)
-    gradient -= dG(nu, a) + dG(b, f) + dG(statics.residual, statics.G_K_R @ b)
-    gradient += solution.barrier.normal_gradient.ravel() @ derivatives.normals.reshape(-1, len(gradient))
-    return gradient
+    return _force_cost_gradient(
+        solution.f,
+        solution.barrier.gradient,
+        solution.barrier.normal_gradient,
+        statics.reference_displacement(solution.y),
+        statics.G,
+        statics.K,
+        statics.J,
+        statics.compliance_inverse,
+        statics.G_K_R,
+        statics.residual,
+        statics.load.scaled,
+        statics.load.rho,
+        statics.hand.joint_compliance,
+        contacts.normals,
+        contacts.jacobians,
+        derivatives.points,
+        derivatives.normals,
+        derivatives.jacobians,
+        models.rows.force,
+        models.rows.spin,
+    )
 
 
 def residual_gradient(statics: Statics, derivatives: ContactDerivatives, models: ContactModels) -> Array:
     """Return the slope of norm(statics.residual), shape (v,); zero where the residual is only rounding."""
     norm = float(np.linalg.norm(statics.residual))
-    if norm <= 1e-10 * float(np.linalg.norm(statics.load.scaled)):
-        return np.zeros(derivatives.points.shape[2])
-    return _grasp_matrix_change(statics.residual, statics.f_p, statics, derivatives, models) / norm
+    gradient = np.zeros(derivatives.points.shape[2])
+    if norm > 1e-10 * float(np.linalg.norm(statics.load.scaled)):
+        change = derivatives.points, derivatives.normals, models.rows.force, models.rows.spin
+        _add_grasp_matrix_change(gradient, 1.0 / norm, statics.residual, statics.f_p, statics.load.rho, *change)
+    return gradient
 
 
-def _grasp_matrix_change(
-    left: Array, f: Array, statics: Statics, derivatives: ContactDerivatives, models: ContactModels
+@compiled
+def _force_cost_gradient(
+    f: Array,
+    g: Array,
+    normal_gradient: Array,
+    Sx: Array,
+    G: Array,
+    K: Array,
+    J: Array,
+    inverse: Array,
+    G_K_R: Array,
+    residual: Array,
+    wrench: Array,
+    rho: float,
+    C_q: Array,
+    normals: Array,
+    jacobians: Array,
+    d_points: Array,
+    d_normals: Array,
+    d_jacobians: Array,
+    force: Indices,
+    spin: Indices,
 ) -> Array:
-    """Return left . dG f, shape (v,): only the torque rows of G change."""
-    torque = left[3:] / statics.load.rho
-    F = models.forces(f)
-    # torque . (dp x F) = dp . (F x torque)
-    lever = np.empty_like(F)
-    lever[:, 0] = F[:, 1] * torque[2] - F[:, 2] * torque[1]
-    lever[:, 1] = F[:, 2] * torque[0] - F[:, 0] * torque[2]
-    lever[:, 2] = F[:, 0] * torque[1] - F[:, 1] * torque[0]
-    variables = derivatives.points.shape[2]
-    change = lever.ravel() @ derivatives.points.reshape(-1, variables)
-    for i, row in zip(models.soft, models.spin_rows, strict=True):
-        change = change + f[row] * (torque @ derivatives.normals[i])
-    return np.asarray(change)
+    nu = inverse @ (wrench + G @ (K @ (J @ Sx)))
+    b = inverse @ (G @ (K @ g))
+    a = K @ (g - G.T @ b)
+    gradient = np.zeros(d_points.shape[2])
+    change = normals, jacobians, d_normals, d_jacobians, force, spin
+    _add_jacobian_change(gradient, 1.0, a, Sx - C_q * (J.T @ f), *change)
+    _add_jacobian_change(gradient, -1.0, f, C_q * (J.T @ a), *change)
+    _add_grasp_matrix_change(gradient, -1.0, nu, a, rho, d_points, d_normals, force, spin)
+    _add_grasp_matrix_change(gradient, -1.0, b, f, rho, d_points, d_normals, force, spin)
+    _add_grasp_matrix_change(gradient, -1.0, residual, G_K_R @ b, rho, d_points, d_normals, force, spin)
+    for i in range(len(force)):
+        for axis in range(3):
+            gradient += normal_gradient[i, axis] * d_normals[i, axis]
+    return gradient
 
 
-def _jacobian_change(
-    left: Array, rates: Array, contacts: Contacts, derivatives: ContactDerivatives, models: ContactModels
-) -> Array:
-    """Return left . dJ rates, shape (v,), for left of shape (c,) and joint rates of shape (h,)."""
-    n, _, h, v = derivatives.jacobians.shape
-    wrenches = models.wrenches(left, contacts.normals)
-    change = rates @ (wrenches.ravel() @ derivatives.jacobians.reshape(6 * n, h * v)).reshape(h, v)
-    for i, row in zip(models.soft, models.spin_rows, strict=True):
-        change = change + left[row] * ((contacts.jacobians[i, 3:] @ rates) @ derivatives.normals[i])
-    return np.asarray(change)
+@compiled
+def _add_grasp_matrix_change(
+    gradient: Array,
+    weight: float,
+    left: Array,
+    f: Array,
+    rho: float,
+    d_points: Array,
+    d_normals: Array,
+    force: Indices,
+    spin: Indices,
+) -> None:
+    """Add weight left . dG f: only the torque rows of G change."""
+    x, y, z = weight / rho * left[3:]
+    for i in range(len(force)):
+        u, v, w = f[force[i] : force[i] + 3]
+        # torque . (dp x F) = dp . (F x torque)
+        gradient += (v * z - w * y) * d_points[i, 0] + (w * x - u * z) * d_points[i, 1]
+        gradient += (u * y - v * x) * d_points[i, 2]
+        if spin[i] >= 0:
+            m = f[spin[i]]
+            gradient += m * x * d_normals[i, 0] + m * y * d_normals[i, 1] + m * z * d_normals[i, 2]
+
+
+@compiled
+def _add_jacobian_change(
+    gradient: Array,
+    weight: float,
+    left: Array,
+    rates: Array,
+    normals: Array,
+    jacobians: Array,
+    d_normals: Array,
+    d_jacobians: Array,
+    force: Indices,
+    spin: Indices,
+) -> None:
+    """Add weight left . dJ rates, for left of shape (c,) and joint rates of shape (h,)."""
+    for i in range(len(force)):
+        for h in range(len(rates)):
+            for axis in range(3):
+                gradient += weight * rates[h] * left[force[i] + axis] * d_jacobians[i, axis, h]
+            if spin[i] >= 0:
+                spinning = weight * rates[h] * left[spin[i]]
+                for axis in range(3):
+                    gradient += spinning * normals[i, axis] * d_jacobians[i, 3 + axis, h]
+                    gradient += spinning * jacobians[i, 3 + axis, h] * d_normals[i, axis]

@@ -15,10 +15,12 @@ F_s maps synergy displacements to active internal forces (G F_s = 0).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, skew
+from ..arrays import Array, Indices
+from ..compiled import compiled
 from .contacts import ContactModels, Contacts
 
 RANK_TOLERANCE = 1e-9
@@ -46,7 +48,7 @@ class Load:
     rho: float
     """Length that divides torques, m."""
 
-    @property
+    @cached_property
     def scaled(self) -> Array:
         """The wrench with its torque divided by rho, N, shape (6,)."""
         return np.concatenate([self.wrench[:3], self.wrench[3:] / self.rho])
@@ -93,44 +95,101 @@ def grasp_statics(contacts: Contacts, models: ContactModels, hand: Hand, load: L
         hand: synergy matrix and joint compliance.
         load: external wrench and where it acts.
     """
-    G = models.grasp_template.copy()
-    lever = skew((contacts.points - load.center_of_mass) / load.rho)
-    for rows, block in zip(models.force_rows, lever, strict=True):
-        G[3:, rows[0] : rows[0] + 3] = block
-    J = np.empty((len(models.contact_compliance), len(hand.joint_compliance)))
-    J[models.force_rows] = contacts.jacobians[:, :3]
-    for i, row in zip(models.soft, models.spin_rows, strict=True):
-        G[3:, row] = contacts.normals[i] / load.rho
-        J[row] = contacts.normals[i] @ contacts.jacobians[i, 3:]
-    K = np.asarray(np.linalg.inv(models.structural_compliance + (J * hand.joint_compliance) @ J.T), dtype=float)
+    matrices = _matrices(
+        contacts.points - load.center_of_mass,
+        contacts.normals,
+        contacts.jacobians,
+        models.rows.force,
+        models.rows.spin,
+        models.contact_compliance,
+        hand.joint_compliance,
+        hand.synergies,
+        load.scaled,
+        load.rho,
+    )
+    return Statics(hand, load, *matrices)
+
+
+@compiled
+def _matrices(
+    arms: Array,
+    normals: Array,
+    jacobians: Array,
+    force: Indices,
+    spin: Indices,
+    contact_compliance: Array,
+    joint_compliance: Array,
+    synergies: Array,
+    wrench: Array,
+    rho: float,
+) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array, Array]:
+    """Return the matrices of `Statics` in their order, for arms from the centre of mass to the contacts, (n, 3)."""
+    G = np.zeros((6, len(contact_compliance)))
+    J = np.zeros((len(contact_compliance), len(joint_compliance)))
+    for i in range(len(force)):
+        row = force[i]
+        for axis in range(3):
+            G[axis, row + axis] = 1.0
+        x, y, z = arms[i, 0] / rho, arms[i, 1] / rho, arms[i, 2] / rho
+        G[3, row + 1], G[3, row + 2] = -z, y
+        G[4, row], G[4, row + 2] = z, -x
+        G[5, row], G[5, row + 1] = -y, x
+        for joint in range(len(joint_compliance)):
+            for axis in range(3):
+                J[row + axis, joint] = jacobians[i, axis, joint]
+            if spin[i] >= 0:
+                for axis in range(3):
+                    J[spin[i], joint] += normals[i, axis] * jacobians[i, 3 + axis, joint]
+        if spin[i] >= 0:
+            for axis in range(3):
+                G[3 + axis, spin[i]] = normals[i, axis] / rho
+    compliance = (J * joint_compliance) @ J.T
+    for row in range(len(compliance)):
+        compliance[row, row] += contact_compliance[row]
+    K: Array = np.linalg.inv(compliance).astype(np.float64)
     KGt = K @ G.T
     inverse = _pseudo_inverse(G @ KGt)
     G_K_R = KGt @ inverse
-    KJS = np.asarray(K @ (J @ hand.synergies))
-    F_s: Array = KJS - G_K_R @ (G @ KJS)
-    E_s, to_synergies = _internal_basis(F_s, KJS, models, contacts.normals)
-    wrench = load.scaled
-    f_p = np.asarray(-G_K_R @ wrench)
-    residual = np.asarray(wrench + G @ f_p)
-    return Statics(hand, load, G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, residual)
+    KJS = K @ (J @ synergies)
+    F_s = KJS - G_K_R @ (G @ KJS)
+    E_s, to_synergies = _internal_basis(F_s, np.abs(KJS).max(), normals, force)
+    f_p = -(G_K_R @ wrench)
+    return G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, wrench + G @ f_p
 
 
+@compiled
 def _pseudo_inverse(A: Array) -> Array:
     """Return A^+ of a symmetric positive semidefinite matrix."""
     values, vectors = np.linalg.eigh(A)
-    kept = values > RANK_TOLERANCE * values[-1]
-    vectors = vectors[:, kept]
-    return np.asarray((vectors / values[kept]) @ vectors.T)
+    inverse = np.zeros(A.shape)
+    for k in range(len(values)):
+        if values[k] > RANK_TOLERANCE * values[-1]:
+            for i in range(len(values)):
+                for j in range(len(values)):
+                    inverse[i, j] += vectors[i, k] * vectors[j, k] / values[k]
+    return inverse
 
 
-def _internal_basis(F_s: Array, KJS: Array, models: ContactModels, normals: Array) -> tuple[Array, Array]:
+@compiled
+def _internal_basis(F_s: Array, scale: float, normals: Array, force: Indices) -> tuple[Array, Array]:
     """Return E_s and F_s^+ E_s from the singular value decomposition of F_s.
 
-    A singular value counts as zero against K J S, of which F_s is a projection: a hand that cannot squeeze
-    has e_s = 0. Signs are chosen so that y > 0 presses on the object.
+    A singular value counts as zero against the scale of K J S, of which F_s is a projection: a hand that cannot
+    squeeze has e_s = 0. Signs are chosen so that y > 0 presses on the object.
     """
     U, values, Vt = np.linalg.svd(F_s, full_matrices=False)
-    kept = values > RANK_TOLERANCE * np.abs(KJS).max()
-    E, back = U[:, kept], Vt[kept].T / values[kept]
-    signs = np.where((normals.ravel() @ E[models.force_rows.ravel()]) < 0, -1.0, 1.0)
-    return np.asarray(E * signs), np.asarray(back * signs)
+    rank = 0
+    while rank < len(values) and values[rank] > RANK_TOLERANCE * scale:
+        rank += 1
+    E, back = np.empty((len(U), rank)), np.empty((Vt.shape[1], rank))
+    for k in range(rank):
+        pressing = 0.0
+        for i in range(len(force)):
+            for axis in range(3):
+                pressing += normals[i, axis] * U[force[i] + axis, k]
+        sign = -1.0 if pressing < 0.0 else 1.0
+        for j in range(len(E)):
+            E[j, k] = sign * U[j, k]
+        for j in range(len(back)):
+            back[j, k] = sign * Vt[k, j] / values[k]
+    return E, back

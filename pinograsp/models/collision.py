@@ -13,6 +13,7 @@ that culling never makes a constraint jump).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +22,8 @@ from typing import Literal
 import coal
 import numpy as np
 
-from ..arrays import Array, Indices, cross
+from ..arrays import Array, Indices
+from ..compiled import compiled
 from ..descriptions import SceneDescription, TaskDescription
 from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
 from .kinematics import Configuration
@@ -92,15 +94,11 @@ class CollisionModel:
         self._centers = np.array([solid.center for solid in self._solids])
         self._first, self._second = first, second
         self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
-        radii = np.array([solid.radius for solid in self._solids])
-        # Wall pairs come first: link i against wall w, link by link.
-        self._to_walls = int(np.isinf(radii[second]).sum())
-        moving = first[: self._to_walls : max(len(walls), 1)]
-        self._moving, self._moving_radii = moving, radii[moving]
-        self._wall_normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
-        self._wall_offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
-        self._apart = first[self._to_walls :], second[self._to_walls :]
-        self._pair_radii = radii[self._apart[0]] + radii[self._apart[1]]
+        self._radii = np.array([solid.radius for solid in self._solids])
+        # Of the walls, rows of other solids are not used.
+        self._normals, self._offsets = np.zeros((len(joints), 3)), np.zeros(len(joints))
+        for wall, (inward, offset) in enumerate(scene.enclosure.walls.values(), len(links) + len(hulls)):
+            self._normals[wall], self._offsets[wall] = inward, offset
         self._request = distance_request()
         # What Coal reads and writes at every measurement: made once, since making it costs more than measuring.
         self._poses = [coal.Transform3s() for _ in self._solids]
@@ -115,10 +113,12 @@ class CollisionModel:
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
-        indices = np.flatnonzero(self._lower_bounds(configuration) < self._reach)
+        turns, shifts = configuration.rotations[self._joints], configuration.translations[self._joints]
+        centers = np.matmul(turns, self._centers[:, :, None])[:, :, 0] + shifts
+        indices = _near(centers, self._radii, self._normals, self._offsets, self._first, self._second, self._reach)
         values, points, normals = self.measure(indices, configuration)
-        along = np.concatenate([normals, cross(points, normals)], axis=1) @ configuration.jacobian
-        return Distances(indices, values, (along * self._moves[indices]) @ self._robot.B)
+        gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
+        return Distances(indices, values, gradients)
 
     def measure(self, indices: Indices, configuration: Configuration) -> tuple[Array, Array, Array]:
         """Measure some pairs, whether near or not.
@@ -143,17 +143,6 @@ class CollisionModel:
             points[row] = result.getNearestPoint1()
             normals[row] = result.normal
         return values, points, normals
-
-    def _lower_bounds(self, configuration: Configuration) -> Array:
-        turns, shifts = configuration.rotations[self._joints], configuration.translations[self._joints]
-        centers = np.matmul(turns, self._centers[:, :, None])[:, :, 0] + shifts
-        bounds = np.empty(len(self.pairs))
-        to_walls = centers[self._moving] @ self._wall_normals.T - self._wall_offsets - self._moving_radii[:, None]
-        bounds[: self._to_walls] = to_walls.ravel()
-        # `take` and `einsum` because they need a third of the time of indexing and summing.
-        apart = centers.take(self._apart[0], axis=0) - centers.take(self._apart[1], axis=0)
-        bounds[self._to_walls :] = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - self._pair_radii
-        return bounds
 
     def _pairs(self, links: int, hulls: int, walls: int, obstacles: int) -> list[Pair]:
         """List the pairs that can move against each other; wall pairs first, link by link.
@@ -196,3 +185,56 @@ class CollisionModel:
             and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < 2e-6
             for pad in self._robot.pads
         )
+
+
+@compiled
+def _near(
+    centers: Array, radii: Array, normals: Array, offsets: Array, first: Indices, second: Indices, reach: Array
+) -> Indices:
+    """Return the pairs that can be nearer than their reach, from bounding spheres; walls have an infinite radius.
+
+    Args:
+        centers: of the solids, world, m, shape (solids, 3).
+        radii: of the solids, m, shape (solids,).
+        normals: of the walls, inward, shape (solids, 3).
+        offsets: of the walls: normal . p on them, m, shape (solids,).
+        first: solid of every pair, shape (pairs,).
+        second: solid or wall of every pair, shape (pairs,).
+        reach: of every pair, m, shape (pairs,).
+    """
+    near = np.empty(len(first), dtype=np.intp)
+    count = 0
+    for pair in range(len(first)):
+        a, b = first[pair], second[pair]
+        if math.isinf(radii[b]):
+            height = -offsets[b]
+            for axis in range(3):
+                height += centers[a, axis] * normals[b, axis]
+            close = height - radii[a] < reach[pair]
+        else:
+            square, limit = 0.0, reach[pair] + radii[a] + radii[b]
+            for axis in range(3):
+                square += (centers[a, axis] - centers[b, axis]) ** 2
+            close = square < limit * limit
+        if close:
+            near[count] = pair
+            count += 1
+    return near[:count].copy()
+
+
+@compiled
+def _gradients(points: Array, normals: Array, jacobian: Array, moves: Array, B: Array) -> Array:
+    """Return the gradients of distances, shape (k, l + s); `moves` holds support_2 - support_1, shape (k, nv)."""
+    gradients = np.zeros((len(points), B.shape[1]))
+    for pair in range(len(points)):
+        for joint in range(len(B)):
+            if moves[pair, joint] == 0.0:
+                continue
+            along = 0.0
+            for x in range(3):
+                y, z = (x + 1) % 3, (x + 2) % 3
+                arm = points[pair, y] * normals[pair, z] - points[pair, z] * normals[pair, y]
+                along += normals[pair, x] * jacobian[x, joint] + arm * jacobian[3 + x, joint]
+            for variable in range(B.shape[1]):
+                gradients[pair, variable] += moves[pair, joint] * along * B[joint, variable]
+    return gradients

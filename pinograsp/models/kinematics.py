@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from ..arrays import Array, skew
+from ..arrays import Array, Indices
+from ..compiled import compiled
 from .patches import patch_point
 from .robot import RobotModel
 
@@ -74,54 +75,124 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
         configuration: computed kinematics.
         parameters: q_c, contact parameters pad by pad, m or rad, shape (c,).
     """
-    robot = configuration.robot
-    joints = np.array([pad.joint for pad in robot.pads])
+    robot, pads = configuration.robot, configuration.robot.pad_frames
     local = [patch_point(pad.patch, parameters[pad.parameters]) for pad in robot.pads]
-    patches = np.matmul(configuration.rotations[joints], np.array([pad.rotation for pad in robot.pads]))
-    origins = np.matmul(configuration.rotations[joints], np.array([pad.translation for pad in robot.pads])[:, :, None])
-    points = (origins + np.matmul(patches, np.array([at.point for at in local])[:, :, None]))[:, :, 0]
-    points += configuration.translations[joints]
-    normals = np.matmul(patches, np.array([at.normal for at in local])[:, :, None])[:, :, 0]
-
-    moves = robot.supports[joints][:, None, :]
-    angular = configuration.jacobian[3:] * moves
-    linear = configuration.jacobian[:3] * moves - np.matmul(skew(points), angular)
-    hand, size, total = robot.hand_joints, robot.posture_size, robot.posture_size + len(parameters)
-    d_points = np.zeros((len(points), 3, total))
-    d_normals = np.zeros((len(points), 3, total))
-    d_points[:, :, :size] = linear @ robot.B
-    d_normals[:, :, :size] = -np.matmul(skew(normals), angular) @ robot.B
-    for i, (pad, at) in enumerate(zip(robot.pads, local, strict=True)):
-        own = slice(size + pad.parameters.start, size + pad.parameters.stop)
-        d_points[i, :, own] = patches[i] @ at.d_point
-        d_normals[i, :, own] = patches[i] @ at.d_normal
     return ContactKinematics(
-        points=points,
-        normals=normals,
-        jacobians=np.concatenate([linear[:, :, hand], angular[:, :, hand]], axis=1),
-        d_points=d_points,
-        d_normals=d_normals,
-        linear=linear,
-        angular=angular,
+        *_contact_kinematics(
+            configuration.rotations,
+            configuration.translations,
+            configuration.jacobian,
+            robot.B,
+            robot.hand_joints,
+            pads.joints,
+            pads.rotations,
+            pads.translations,
+            robot.supports,
+            np.array([at.point for at in local]),
+            np.array([at.normal for at in local]),
+            np.concatenate([at.d_point.T for at in local]),
+            np.concatenate([at.d_normal.T for at in local]),
+            pads.owners,
+        )
     )
+
+
+@compiled
+def _contact_kinematics(
+    rotations: Array,
+    translations: Array,
+    jacobian: Array,
+    B: Array,
+    hand: Indices,
+    joints: Indices,
+    pad_rotations: Array,
+    pad_translations: Array,
+    supports: Array,
+    local_points: Array,
+    local_normals: Array,
+    local_d_points: Array,
+    local_d_normals: Array,
+    owners: Indices,
+) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    """Return the fields of `ContactKinematics` in their order.
+
+    Points and normals on the patches, shape (n, 3), have derivatives in the contact parameters, shape (c, 3);
+    `owners` says to which pad a parameter belongs.
+    """
+    n, (nv, size) = len(joints), B.shape
+    v = size + len(owners)
+    points, normals = np.empty((n, 3)), np.empty((n, 3))
+    d_points, d_normals = np.zeros((n, 3, v)), np.zeros((n, 3, v))
+    linear, angular = np.zeros((n, 3, nv)), np.zeros((n, 3, nv))
+    jacobians = np.empty((n, 6, len(hand)))
+    R = np.empty((n, 3, 3))
+    for i in range(n):
+        joint = joints[i]
+        for row in range(3):
+            p, normal = translations[joint, row], 0.0
+            for column in range(3):
+                R[i, row, column] = 0.0
+                for k in range(3):
+                    R[i, row, column] += rotations[joint, row, k] * pad_rotations[i, k, column]
+                p += rotations[joint, row, column] * pad_translations[i, column]
+                p += R[i, row, column] * local_points[i, column]
+                normal += R[i, row, column] * local_normals[i, column]
+            points[i, row], normals[i, row] = p, normal
+        for k in range(nv):
+            if supports[joint, k] == 0.0:
+                continue
+            for x in range(3):
+                y, z = (x + 1) % 3, (x + 2) % 3
+                omega_y, omega_z = jacobian[3 + y, k], jacobian[3 + z, k]
+                angular[i, x, k] = jacobian[3 + x, k]
+                linear[i, x, k] = jacobian[x, k] + omega_y * points[i, z] - omega_z * points[i, y]
+                d_normal = omega_y * normals[i, z] - omega_z * normals[i, y]
+                for variable in range(size):
+                    d_points[i, x, variable] += linear[i, x, k] * B[k, variable]
+                    d_normals[i, x, variable] += d_normal * B[k, variable]
+        for h in range(len(hand)):
+            for x in range(3):
+                jacobians[i, x, h] = linear[i, x, hand[h]]
+                jacobians[i, 3 + x, h] = angular[i, x, hand[h]]
+    for c in range(len(owners)):
+        i = owners[c]
+        for row in range(3):
+            for column in range(3):
+                d_points[i, row, size + c] += R[i, row, column] * local_d_points[c, column]
+                d_normals[i, row, size + c] += R[i, row, column] * local_d_normals[c, column]
+    return points, normals, jacobians, d_points, d_normals, linear, angular
 
 
 def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Array:
     """Return the derivatives of the hand Jacobians in x = (posture, q_c), shape (n, 6, h, v)."""
-    linear, angular = contacts.linear, contacts.angular
-    n, _, nv = linear.shape
-    hand = robot.hand_joints
-    size = robot.posture_size
-    omega = skew(angular.transpose(0, 2, 1).reshape(-1, 3)).reshape(n, nv, 3, 3)
-    velocity = skew(linear.transpose(0, 2, 1).reshape(-1, 3)).reshape(n, nv, 3, 3)
-    hand_linear, hand_angular = linear[:, None, :, hand], angular[:, None, :, hand]
-    before = (np.arange(nv)[:, None] <= hand[None, :])[None, :, None, :]
-    result = np.zeros((n, 6, len(hand), contacts.d_points.shape[2]))
-    change = np.where(before, np.matmul(omega, hand_linear), -np.matmul(velocity, hand_angular))
-    turn = np.where(before, np.matmul(omega, hand_angular), 0.0)
-    both = np.concatenate([change, turn], axis=2)
-    result[:, :, :, :size] = (both.reshape(n, nv, -1).transpose(0, 2, 1) @ robot.B).reshape(n, 6, len(hand), size)
-    for i, pad in enumerate(robot.pads):
-        own = slice(size + pad.parameters.start, size + pad.parameters.stop)
-        result[i, :3, :, own] = np.matmul(omega[i, hand], contacts.d_points[i, :, own]).transpose(1, 0, 2)
+    owners = robot.pad_frames.owners
+    return _jacobian_derivatives(
+        contacts.linear, contacts.angular, contacts.d_points, robot.B, robot.hand_joints, owners
+    )
+
+
+@compiled
+def _jacobian_derivatives(
+    linear: Array, angular: Array, d_points: Array, B: Array, hand: Indices, owners: Indices
+) -> Array:
+    n, (nv, size) = len(linear), B.shape
+    result = np.zeros((n, 6, len(hand), size + len(owners)))
+    for i in range(n):
+        for h in range(len(hand)):
+            j = hand[h]
+            for x in range(3):
+                y, z = (x + 1) % 3, (x + 2) % 3
+                for k in range(nv):
+                    if k <= j:
+                        change = angular[i, y, k] * linear[i, z, j] - angular[i, z, k] * linear[i, y, j]
+                        turn = angular[i, y, k] * angular[i, z, j] - angular[i, z, k] * angular[i, y, j]
+                    else:
+                        change = angular[i, y, j] * linear[i, z, k] - angular[i, z, j] * linear[i, y, k]
+                        turn = 0.0
+                    for variable in range(size):
+                        result[i, x, h, variable] += change * B[k, variable]
+                        result[i, 3 + x, h, variable] += turn * B[k, variable]
+                for c in range(size, size + len(owners)):
+                    if owners[c - size] == i:
+                        result[i, x, h, c] = angular[i, y, j] * d_points[i, z, c] - angular[i, z, j] * d_points[i, y, c]
     return result

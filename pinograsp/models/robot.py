@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -51,6 +51,19 @@ class Pad:
         return self.description.patch
 
 
+class PadFrames(NamedTuple):
+    """The frames of all pads as arrays."""
+
+    joints: Indices
+    """Shape (n,)."""
+    rotations: Array
+    """Shape (n, 3, 3)."""
+    translations: Array
+    """m, shape (n, 3)."""
+    owners: Indices
+    """Pad of every contact parameter, shape (c,)."""
+
+
 class RobotModel:
     """A robot whose root link stands at `T_world_root`; see the module's docstring for B and q_0.
 
@@ -76,6 +89,12 @@ class RobotModel:
         self.supports = self._supports()
         self.parameter_limits: Array = np.array([limits for pad in description.pads for limits in pad.patch.parameters])
         self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
+        self.pad_frames = PadFrames(
+            np.array([pad.joint for pad in self.pads]),
+            np.array([pad.rotation for pad in self.pads]),
+            np.array([pad.translation for pad in self.pads]),
+            np.repeat(np.arange(len(self.pads)), [len(pad.patch.parameters) for pad in self.pads]),
+        )
         self.step_units = self._step_units()
         self.wrist_frame: int = self.model.getFrameId(description.arm.wrist, pin.BODY)
 
@@ -90,7 +109,7 @@ class RobotModel:
     @property
     def synergies(self) -> Array:
         """Synergy matrix S (3) of the hand joints, shape (h, s)."""
-        return self.B[self.hand_joints][:, self.arm_size :]
+        return self.B[self.hand_joints][:, self.arm_size :].copy()
 
     @property
     def posture_size(self) -> int:

@@ -13,6 +13,7 @@ import coal
 import numpy as np
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Cylinder
 
 
@@ -27,28 +28,7 @@ class CylinderSurface:
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian; side and caps inside are told apart by the nearer one."""
-        rho = np.hypot(points[:, 0], points[:, 1])
-        length = np.where(rho > 0.0, rho, 1.0)
-        radial = np.zeros((len(points), 3))
-        radial[:, 0] = np.where(rho > 0.0, points[:, 0] / length, 1.0)
-        radial[:, 1] = points[:, 1] / length
-        axial = np.zeros((len(points), 3))
-        axial[:, 2] = np.where(points[:, 2] < 0.0, -1.0, 1.0)
-        beyond = np.column_stack([rho - self._radius, np.abs(points[:, 2]) - self._half])
-        over = np.maximum(beyond, 0.0)
-        outside = np.hypot(over[:, 0], over[:, 1])
-        distances = np.where(outside > 0.0, outside, beyond.max(axis=1))
-        scale = np.where(outside > 0.0, outside, 1.0)[:, None]
-        nearer = np.eye(2)[beyond.argmax(axis=1)]
-        parts = np.where(outside[:, None] > 0.0, over / scale, nearer)
-        gradients = parts[:, :1] * radial + parts[:, 1:] * axial
-        tangents = np.column_stack([-radial[:, 1], radial[:, 0], np.zeros(len(points))])
-        hessians = (parts[:, 0] / length)[:, None, None] * _outer(tangents)
-        corner = (over > 0.0).all(axis=1)
-        if corner.any():
-            plane = _outer(radial) + _outer(axial) - _outer(gradients)
-            hessians += np.where(corner, 1.0 / scale[:, 0], 0.0)[:, None, None] * plane
-        return distances, gradients, hessians
+        return _signed_distance(points, self._radius, self._half)
 
     def extent(self, direction: Array) -> float:
         """Return r |direction across the axis| + h/2 |direction along it|."""
@@ -62,5 +42,31 @@ class CylinderSurface:
         return geometry
 
 
-def _outer(vectors: Array) -> Array:
-    return np.asarray(vectors[:, :, None] * vectors[:, None, :])
+@compiled
+def _signed_distance(points: Array, radius: float, half: float) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        x, y, z = points[i]
+        rho = math.hypot(x, y)
+        radial = (x / rho, y / rho, 0.0) if rho > 0.0 else (1.0, 0.0, 0.0)
+        tangent = (-radial[1], radial[0], 0.0)
+        axial = (0.0, 0.0, -1.0 if z < 0.0 else 1.0)
+        b_rho, b_z = rho - radius, abs(z) - half
+        corner = b_rho > 0.0 and b_z > 0.0
+        if corner:
+            distances[i] = math.hypot(b_rho, b_z)
+            n_rho, n_z = b_rho / distances[i], b_z / distances[i]
+        else:
+            distances[i] = max(b_rho, b_z)
+            n_rho, n_z = (1.0, 0.0) if b_rho >= b_z else (0.0, 1.0)
+        for j in range(3):
+            gradients[i, j] = n_rho * radial[j] + n_z * axial[j]
+        around = n_rho / rho if rho > 0.0 else n_rho
+        for j in range(3):
+            for k in range(3):
+                hessians[i, j, k] = around * tangent[j] * tangent[k]
+                if corner:
+                    plane = radial[j] * radial[k] + axial[j] * axial[k] - gradients[i, j] * gradients[i, k]
+                    hessians[i, j, k] += plane / distances[i]
+    return distances, gradients, hessians

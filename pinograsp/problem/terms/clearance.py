@@ -11,9 +11,12 @@ The pairs of a link are joined by the smooth minimum
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from ...arrays import Array
+from ...arrays import Array, Indices
+from ...compiled import compiled
 from ...models.collision import REACH, Pair
 from ..state import State, TaskModel
 from .residual import Residual
@@ -22,9 +25,6 @@ NEAR = 0.015
 """What a distance has above its margin enters unchanged below this, m."""
 SMOOTHING = 0.0003
 """rho of the smooth minimum, m: it lies at most rho log(pairs) below the minimum."""
-_SPAN = REACH - NEAR
-FAR = NEAR + 0.5 * _SPAN
-"""phi of everything from REACH on, m."""
 
 
 class Clearance:
@@ -41,19 +41,11 @@ class Clearance:
     def __call__(self, state: State) -> Residual:
         """Return the clearance of every link, m, shape (links,)."""
         measured = state.distances
+        above = measured.values - self._margins[measured.indices]
         links = self._link_of[measured.indices]
-        above, slopes = _bent(measured.values - self._margins[measured.indices])
-        # Shift by each link's least value so that exp neither overflows nor vanishes.
-        least = np.full(len(self.links), FAR)
-        np.minimum.at(least, links, above)
-        weights = np.exp((least[links] - above) / SMOOTHING)
-        far = self._counts - np.bincount(links, minlength=len(self.links))
-        sums = np.bincount(links, weights, len(self.links)) + far * np.exp((least - FAR) / SMOOTHING)
-        clearances = least - SMOOTHING * np.log(sums)
-        jacobian = np.zeros((len(self.links), len(state.x)))
-        shares = (weights / sums[links] * slopes)[:, None] * measured.gradients
-        np.add.at(jacobian[:, : measured.gradients.shape[1]], links, shares)
-        return Residual(clearances, jacobian)
+        values, jacobian = _smooth_minima(above, measured.gradients, links, self._counts, REACH)
+        rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
+        return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
     def worst(self, state: State) -> dict[str, tuple[float, Pair]]:
         """Return, per kind of pair, the least distance less its margin (m), unsmoothed, and its pair."""
@@ -67,9 +59,44 @@ class Clearance:
         return worst
 
 
-def _bent(above: Array) -> tuple[Array, Array]:
-    """Return phi and its slope."""
-    t = np.clip((above - NEAR) / _SPAN, 0.0, 1.0)
+@compiled
+def _smooth_minima(
+    above: Array, gradients: Array, links: Indices, counts: Indices, reach: float
+) -> tuple[Array, Array]:
+    """Return the smooth minimum of every link and its gradient, shapes (links,), (links, v).
+
+    Args:
+        above: distances less margins of the pairs that were measured, m, shape (k,).
+        gradients: of these, shape (k, v).
+        links: link of every pair, shape (k,).
+        counts: pairs of every link, measured or not, shape (links,).
+        reach: where phi has become constant, m.
+    """
+    bent, slopes = np.empty(len(above)), np.empty(len(above))
+    everything_far = bend(reach, reach)[0]
+    # Shifted by each link's least value, so that exp neither overflows nor vanishes.
+    least, far = np.full(len(counts), everything_far), counts.copy()
+    for pair in range(len(above)):
+        bent[pair], slopes[pair] = bend(above[pair], reach)
+        least[links[pair]] = min(least[links[pair]], bent[pair])
+        far[links[pair]] -= 1
+    weights, sums = np.empty(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
+    for pair in range(len(above)):
+        weights[pair] = math.exp((least[links[pair]] - bent[pair]) / SMOOTHING)
+        sums[links[pair]] += weights[pair]
+    jacobian = np.zeros((len(counts), gradients.shape[1]))
+    for pair in range(len(above)):
+        share = weights[pair] / sums[links[pair]] * slopes[pair]
+        for variable in range(gradients.shape[1]):
+            jacobian[links[pair], variable] += share * gradients[pair, variable]
+    return least - SMOOTHING * np.log(sums), jacobian
+
+
+@compiled
+def bend(above: float, reach: float) -> tuple[float, float]:
+    """Return phi and its slope, for one value, m."""
+    span = reach - NEAR
+    t = min(max((above - NEAR) / span, 0.0), 1.0)
     cube = t * t * t
-    values = np.where(above <= NEAR, above, NEAR + _SPAN * (t - cube + 0.5 * t * cube))
-    return values, 1.0 - 3.0 * t * t + 2.0 * cube
+    phi = above if t == 0.0 else NEAR + span * (t - cube + 0.5 * t * cube)
+    return phi, 1.0 - 3.0 * t * t + 2.0 * cube

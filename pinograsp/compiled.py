@@ -1,0 +1,21 @@
+"""Functions of numbers and arrays, compiled by Numba: where a point x of a problem spends its time.
+
+The matrices of a grasp are so small that NumPy takes far longer to look at its arguments than to compute. Such
+functions are loops instead, or NumPy where that is as clear, and are compiled at their first call (once on a machine:
+Numba keeps what it compiled beside the source or in the user's cache folder). With NUMBA_DISABLE_JIT=1 in the
+environment all of them run as they are written, for a debugger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def compiled(function: Function) -> Function:
+    """Compile a function; division by zero gives infinity or NaN, as in NumPy."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))

@@ -1,0 +1,82 @@
+"""What Numba keeps between runs must never be older than the source.
+
+It looks at the file of a function alone to see whether what it kept still holds. So a compiled function may call
+compiled functions and read constants of its own file only, and these constants must not come from other files.
+"""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pinograsp
+
+PACKAGE = Path(pinograsp.__file__).parent
+SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if "@compiled" in path.read_text())
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_compiled_functions_know_only_their_own_file(path: Path) -> None:
+    tree = ast.parse(path.read_text())
+    foreign = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.level
+        for alias in node.names
+    }
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef) and is_compiled(node)]
+    assert functions
+    used = {name for function in functions for line in function.body for name in names(line)}
+    assert not used & foreign
+    for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            if used & {name for target in targets for name in names(target)}:
+                assert not names(node) & foreign, ast.unparse(node)
+
+
+def is_compiled(function: ast.FunctionDef) -> bool:
+    return "compiled" in {name for decorator in function.decorator_list for name in names(decorator)}
+
+
+def names(node: ast.AST) -> set[str]:
+    """Return the names in a piece of code, annotations of variables left out."""
+    annotations = {id(inner) for outer in ast.walk(node) for inner in inside_annotation(outer)}
+    return {inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name) and id(inner) not in annotations}
+
+
+def inside_annotation(node: ast.AST) -> list[ast.AST]:
+    return list(ast.walk(node.annotation)) if isinstance(node, ast.AnnAssign) else []
+
+
+INTERPRETED = """
+import numpy as np, pinograsp
+from pinograsp.problem import GraspProblem, TaskModel
+model = TaskModel(pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox_can"), "can")
+problem = GraspProblem(model, (0, 1))
+here = problem.evaluate(0.4 * problem.lower + 0.6 * problem.upper)
+parts = [here.cost_gradient, *here.equalities, *here.inequalities]
+print(repr([float(here.cost), *np.concatenate([part.ravel() for part in parts]).tolist()]))
+"""
+
+
+def test_compiled_is_what_the_source_says() -> None:
+    """One evaluation with Numba and one with plain Python give the same numbers."""
+    compiled, interpreted = (
+        subprocess.run(
+            [sys.executable, "-c", INTERPRETED],
+            env={"PATH": "", "NUMBA_DISABLE_JIT": off, "HOME": str(Path.home())},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for off in ("0", "1")
+    )
+    first, second = np.array(ast.literal_eval(compiled)), np.array(ast.literal_eval(interpreted))
+    assert len(first) > 100
+    np.testing.assert_allclose(first, second, rtol=1e-7, atol=1e-9 * np.abs(first).max())
