@@ -9,7 +9,6 @@ from rich.progress import Progress as Bar
 from ..database import BuildProgress
 from ..planner import Progress
 
-
 PREPARING = "preparing (longer the first time on a machine, and with a new robot)"
 
 
