@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import yaml
 from hypothesis import settings
@@ -82,6 +84,57 @@ def random_parameters(robot: RobotModel, rng: np.random.Generator, part: float =
     """Return contact parameters from the middle part of their ranges, shape (c,)."""
     low, high = robot.parameter_limits.T
     return np.asarray(0.5 * (low + high) + 0.5 * part * (high - low) * rng.uniform(-1.0, 1.0, len(low)))
+
+
+def differences(function: Callable[[Array], Any], x: Array, step: float) -> Array:
+    """Return central differences of an array-valued function, shape (..., v)."""
+    return np.stack([np.asarray(function(x + d) - function(x - d)) / (2 * step) for d in step * np.eye(len(x))], -1)
+
+
+def agree(
+    jacobian: Array,
+    function: Callable[[Array], Any],
+    x: Array,
+    floor: float | Array = 1e-2,
+    tolerance: float | Array = 1e-5,
+) -> None:
+    """Compare row by row to a part of the row's largest slope (at least `floor`), with the best of three step sizes.
+
+    The longest step is for rows with rounding errors (V* of 1e9), the shorter for the rounded kink of the balance.
+    """
+    jacobian = np.atleast_2d(jacobian)
+    best = np.full(len(jacobian), np.inf)
+    for step in (1e-6, 1e-7, 1e-8):
+        numeric = np.atleast_2d(differences(function, x, step))
+        assert jacobian.shape == numeric.shape
+        relative = np.abs(jacobian - numeric).max(axis=1) / np.maximum(np.abs(numeric).max(axis=1), floor)
+        best = np.minimum(best, relative / tolerance)
+        if (best <= 1.0).all():
+            return
+    assert best.max() <= 1.0
+
+
+def matrix(pose: dict[str, list[float]]) -> Array:
+    """Return a pose as Pinocchio makes it."""
+    return np.asarray(pin.SE3(pin.rpy.rpyToMatrix(*pose["rpy"]), np.array(pose["position"])).homogeneous)
+
+
+def poses_of(model: Any, q: Array) -> dict[str, Array]:
+    """Return the poses of all links."""
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    bodies = [i for i, frame in enumerate(model.frames) if frame.type == pin.BODY]
+    return {model.frames[i].name: np.array(data.oMf[i].homogeneous) for i in bodies}
+
+
+def alone(xml: str, joints: dict[str, float]) -> dict[str, Array]:
+    """Return the poses of the links of a single URDF in its root link; joints that are not given are at zero."""
+    model = pin.buildModelFromXML(xml)
+    q = pin.neutral(model)
+    for name, value in joints.items():
+        joint = model.joints[model.getJointId(name)]
+        q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (math.cos(value), math.sin(value))
+    return poses_of(model, q)
 
 
 @pytest.fixture(scope="session")

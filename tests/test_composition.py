@@ -13,7 +13,7 @@ import pinocchio as pin
 import pytest
 import trimesh
 import yaml
-from conftest import TOY_ROBOT, Array
+from conftest import TOY_ROBOT, Array, alone, matrix, poses_of
 
 from pinograsp import InputError, RobotModel, load_robot
 from pinograsp.database.identity import Identity
@@ -137,29 +137,6 @@ def write(tmp_path: Path) -> Write:
 @pytest.fixture
 def chain(write: Write) -> RobotModel:
     return load_robot(write())
-
-
-def matrix(pose: dict[str, list[float]]) -> Array:
-    """Return a pose as Pinocchio makes it."""
-    return np.asarray(pin.SE3(pin.rpy.rpyToMatrix(*pose["rpy"]), np.array(pose["position"])).homogeneous)
-
-
-def poses_of(model: Any, q: Array) -> dict[str, Array]:
-    """Return the poses of all links."""
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, q)
-    bodies = [i for i, frame in enumerate(model.frames) if frame.type == pin.BODY]
-    return {model.frames[i].name: np.array(data.oMf[i].homogeneous) for i in bodies}
-
-
-def alone(xml: str, joints: dict[str, float]) -> dict[str, Array]:
-    """Return the poses of the links of a single URDF in its root link; joints that are not given are at zero."""
-    model = pin.buildModelFromXML(xml)
-    q = pin.neutral(model)
-    for name, value in joints.items():
-        joint = model.joints[model.getJointId(name)]
-        q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (math.cos(value), math.sin(value))
-    return poses_of(model, q)
 
 
 def verified_poses(robot: RobotModel, joints: dict[str, float]) -> dict[str, Array]:
