@@ -20,13 +20,10 @@ from .projection import Projection, beginnings, nearest_assignment
 
 Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-ROUND = 30
-"""Evaluations of a round within a box."""
-GAIN = 1e-3
-"""Part of the cost that a round must gain for another one."""
+"""What a start came to. With the constraints kept at the best point: NLopt stopped by itself, or did not. With some
+violated there: NLopt stopped by itself, its budget ended, or it raised an error."""
 STOPPED_BY_ITSELF = {nlopt.SUCCESS, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED, nlopt.STOPVAL_REACHED}
-_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 150, "LN_COBYLA": 3000}
-_REACH: dict[Algorithm, float] = {"LD_SLSQP": 0.25, "LN_COBYLA": math.inf}
+_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 200, "LN_COBYLA": 3000}
 
 
 @dataclass(frozen=True)
@@ -35,13 +32,11 @@ class SolverOptions:
 
     algorithm: Algorithm = "LD_SLSQP"
     max_evaluations: int | None = None
-    """Budget of evaluations a solve; None: 150 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
+    """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
-    cost_tolerance: float = 1e-7
-    """Absolute change of the scaled cost at which a solve stops: 1e-4 mm^2 in U."""
-    reach: float | None = None
-    """Half edge of a round's box, in `RobotModel.step_units`; None: 0.25 for LD_SLSQP, infinite for LN_COBYLA."""
+    cost_tolerance: float = 1e-6
+    """Absolute change of the scaled cost at which a solve stops: 0.001 mm^2 in U."""
     projection: Projection = "contacts and clearance"
     """What a start is projected on before the solve."""
 
@@ -50,19 +45,9 @@ class SolverOptions:
         """Evaluations a start."""
         return self.max_evaluations or _BUDGET[self.algorithm]
 
-    @property
-    def box(self) -> float:
-        """Half edge of a round's box."""
-        return self.reach or _REACH[self.algorithm]
-
-    @property
-    def round(self) -> int:
-        """Evaluations a round."""
-        return self.budget if math.isinf(self.box) else ROUND
-
     def to_json(self) -> dict[str, Any]:
-        """Return the options as JSON data, budget and box resolved."""
-        return {**asdict(self), "max_evaluations": self.budget, "reach": self.box}
+        """Return the options as JSON data, the budget resolved."""
+        return {**asdict(self), "max_evaluations": self.budget}
 
 
 @dataclass(frozen=True)
@@ -111,10 +96,6 @@ class _Recorder:
     def merit(self) -> tuple[float, float]:
         """Violation above the tolerance, and cost, of the best point."""
         return self._key
-
-    def gained(self, before: tuple[float, float]) -> bool:
-        """Whether the best point is better than a feasible one, by more than the part `GAIN`, or than an infeasible."""
-        return before[0] > 0.0 or self._key[1] < (1.0 - GAIN) * before[1]
 
     def at(self, x: Array) -> Evaluation:
         if self.last is None or not np.array_equal(x, self.last.x):
@@ -181,44 +162,19 @@ def _outcome(code: int, feasible: bool) -> Outcome:
 
 
 def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
-    """Run NLopt from x, round after round; the recorder holds the outcome. Return NLopt's code and a message.
+    """Run NLopt from x on the variables z = x / step_units; the recorder holds the outcome.
 
-    A round is a run within a box around the point where it begins. Steps of the full length that a quadratic model
-    wants lead far off the curved manifold of contact, and a line search then takes many evaluations to come back;
-    within the box the model is worth something. A round that ends inside its box has converged; otherwise the next
-    begins at the best point so far, until a round gains nothing. After a round that is not feasible the box is gone.
+    Returns:
+        NLopt's code and a message.
     """
-    problem = recorder.problem
-    reach = options.box
-    while True:
-        budget = options.budget - recorder.evaluations
-        before = recorder.merit
-        box = reach * problem.model.robot.step_units
-        lower, upper = np.maximum(problem.lower, x - box), np.minimum(problem.upper, x + box)
-        code, message = _round(recorder, np.clip(x, lower, upper), (lower, upper), budget, options)
-        x = x if recorder.best is None else recorder.best.x
-        held = ((x <= lower) & (lower > problem.lower)) | ((x >= upper) & (upper < problem.upper))
-        if code in STOPPED_BY_ITSELF and recorder.feasible and not held.any():
-            return code, message
-        if math.isinf(reach) or recorder.evaluations >= options.budget:
-            return code, message
-        if not recorder.feasible:
-            reach = math.inf
-        elif not recorder.gained(before):
-            return int(nlopt.FTOL_REACHED), message
-
-
-def _round(
-    recorder: _Recorder, x: Array, box: tuple[Array, Array], budget: int, options: SolverOptions
-) -> tuple[int, str]:
-    """Run NLopt once, within a box, on the variables z = x / step_units."""
     problem = recorder.problem
     unit = problem.model.robot.step_units
     basis = problem.equality_basis(recorder.at(x))
     optimizer = nlopt.opt(getattr(nlopt, options.algorithm), len(x))
-    optimizer.set_lower_bounds(box[0] / unit)
-    optimizer.set_upper_bounds(box[1] / unit)
-    optimizer.set_maxeval(min(budget, options.round))
+    lower, upper = problem.lower / unit, problem.upper / unit
+    optimizer.set_lower_bounds(lower)
+    optimizer.set_upper_bounds(upper)
+    optimizer.set_maxeval(options.budget)
     optimizer.set_ftol_abs(options.cost_tolerance)
     optimizer.set_xtol_rel(1e-10)
 
@@ -245,7 +201,7 @@ def _round(
     optimizer.add_equality_mconstraint(equalities, np.full(len(basis), tight))
     optimizer.add_inequality_mconstraint(inequalities, np.full(problem.inequality_count, tight))
     try:
-        optimizer.optimize(np.clip(x / unit, box[0] / unit, box[1] / unit))
+        optimizer.optimize(np.clip(x / unit, lower, upper))
     except nlopt.RoundoffLimited:
         return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
     except (nlopt.exception, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
