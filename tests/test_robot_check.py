@@ -17,7 +17,7 @@ import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
 from pinograsp import RobotModel, cli
-from pinograsp.descriptions import load_robot_description, shipped_robots
+from pinograsp.descriptions import load_robot_description
 from pinograsp.onboarding import Report, check_robot
 from pinograsp.visualization.pads import surface
 from pinograsp.visualization.robot_page import write_robot_html
@@ -192,21 +192,6 @@ def test_pieces_that_stand_off_their_mesh(check: Check, tmp_path: Path) -> None:
     assert bracket.pieces == 1
     assert 0.015 < bracket.excess < bracket.most < 0.04
     assert not any("stand off its" in words for words in said(check(urdf), "doubtful"))
-
-
-def test_panda_is_clean() -> None:
-    report = check_robot(load_robot_description("panda"))
-    assert said(report, "wrong") == []
-    assert said(report, "doubtful") == []
-    assert "pads face each other, 0.0 to 80.0 mm apart" in said(report, "ok")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(shipped_robots()))
-def test_shipped_robots_are_clean(name: str) -> None:
-    report = check_robot(load_robot_description(name))
-    assert said(report, "wrong") == []
-    assert said(report, "doubtful") == []
 
 
 # ---- the page
