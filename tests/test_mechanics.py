@@ -349,7 +349,7 @@ def test_V_is_convex_in_y(family: Family, seed: int) -> None:
 def test_reduced_barrier_is_the_barrier(family: Family, seed: int) -> None:
     """Same V and slope as `barrier` at f_p + E y; its Hessian is the slope of its gradient."""
     statics, normals = family.statics(ORIGIN), family.at(ORIGIN).normals
-    reduced = reduced_barrier(statics.f_p, statics.E_s, normals, *family.models.rows, *LIMITS.constants)
+    reduced = reduced_barrier(statics.f_p, statics.E_s, normals, family.models.rows, LIMITS.constants)
     y = np.random.default_rng(seed).normal(0.0, 4.0, statics.E_s.shape[1])
     V, gradient, hessian = reduced_value(reduced, y)
     full = barrier(statics.f_p + statics.E_s @ y, normals, family.models, LIMITS)

@@ -23,13 +23,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array
 from ..compiled import compiled
-from .contacts import ContactModels
+from .contacts import ContactModels, Rows
 
 MAX_ITERATIONS = 60
 ARMIJO = 1e-4
@@ -37,6 +38,15 @@ SQUEEZE = 0.7
 """Normal force, in parts of f_max, at which the search for y* starts."""
 _TINY = 1e-24
 """Rounds the tip of the friction cone: added to squared norms, N^2."""
+
+
+class Constants(NamedTuple):
+    """What V needs of `ForceLimits`."""
+
+    alpha: float
+    minimum: float
+    maximum: float
+    kappa: float
 
 
 @dataclass(frozen=True)
@@ -62,10 +72,10 @@ class ForceLimits:
         """A V below this proves every sigma < -kappa: each single term is below 1 / (2 kappa^2)."""
         return 0.5 / self.kappa**2
 
-    @property
-    def constants(self) -> tuple[float, float, float, float]:
-        """alpha, f_min, f_max, kappa."""
-        return self.alpha, self.minimum, self.maximum, self.kappa
+    @cached_property
+    def constants(self) -> Constants:
+        """What V needs."""
+        return Constants(self.alpha, self.minimum, self.maximum, self.kappa)
 
 
 @dataclass(frozen=True)
@@ -96,40 +106,30 @@ def constraint_values(f: Array, normals: Array, models: ContactModels, limits: F
 
 def barrier(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Barrier:
     """Return V (A7) with its gradient in f and in the normals (n, 3)."""
-    return Barrier(*_barrier(f, normals, *models.rows, *limits.constants))
+    return Barrier(*_barrier(f, normals, models.rows, limits.constants))
 
 
 @compiled
-def _barrier(
-    f: Array,
-    normals: Array,
-    force: Indices,
-    spin: Indices,
-    inverse_radius: Array,
-    alpha: float,
-    minimum: float,
-    maximum: float,
-    kappa: float,
-) -> tuple[float, Array, Array]:
-    V, gradient, normal_gradient = 0.0, np.zeros(len(f)), np.empty((len(force), 3))
-    for i in range(len(force)):
-        row, torsion = force[i], f[spin[i]] * inverse_radius[i]
+def _barrier(f: Array, normals: Array, rows: Rows, limits: Constants) -> tuple[float, Array, Array]:
+    V, gradient, normal_gradient = 0.0, np.zeros(len(f)), np.empty((len(rows.force), 3))
+    for i in range(len(rows.force)):
+        row, torsion = rows.force[i], f[rows.spin[i]] * rows.inverse_radius[i]
         square, pressing = _TINY, 0.0
         for axis in range(3):
             square += f[row + axis] ** 2
             pressing += f[row + axis] * normals[i, axis]
         size, cone = math.sqrt(square), math.sqrt(square + torsion**2)
-        V_f, friction, _ = penalty(alpha * cone - pressing, kappa)
-        V_m, least, _ = penalty(minimum - pressing, kappa)
-        V_M, greatest, _ = penalty(size - maximum, kappa)
+        V_f, friction, _ = penalty(limits.alpha * cone - pressing, limits.kappa)
+        V_m, least, _ = penalty(limits.minimum - pressing, limits.kappa)
+        V_M, greatest, _ = penalty(size - limits.maximum, limits.kappa)
         V += V_f + V_m + V_M
-        along = alpha * friction / cone
+        along = limits.alpha * friction / cone
         for axis in range(3):
             F, n = f[row + axis], normals[i, axis]
             gradient[row + axis] = (along + greatest / size) * F - (friction + least) * n
             normal_gradient[i, axis] = -(friction + least) * F
-        if spin[i] >= 0:
-            gradient[spin[i]] = along * torsion * inverse_radius[i]
+        if rows.spin[i] >= 0:
+            gradient[rows.spin[i]] = along * torsion * rows.inverse_radius[i]
     return V, gradient, normal_gradient
 
 
@@ -145,18 +145,7 @@ def penalty(sigma: float, kappa: float) -> tuple[float, float, float]:
 
 
 @compiled
-def minimiser(
-    f_p: Array,
-    E: Array,
-    normals: Array,
-    force: Indices,
-    spin: Indices,
-    inverse_radius: Array,
-    alpha: float,
-    minimum: float,
-    maximum: float,
-    kappa: float,
-) -> Array:
+def minimiser(f_p: Array, E: Array, normals: Array, rows: Rows, limits: Constants) -> Array:
     """Return y* (8), shape (e_s,).
 
     V is strictly convex in y, so a damped Newton iteration in e_s dimensions finds the minimiser to machine
@@ -167,15 +156,10 @@ def minimiser(
         f_p: particular solution, N, shape (c,).
         E: basis of the internal forces, shape (c, e_s), e_s > 0.
         normals: unit normals into the object, shape (n, 3).
-        force: with `spin` and `inverse_radius` the `ContactModels.rows`.
-        spin: shape (n,).
-        inverse_radius: 1/m, shape (n,).
-        alpha: with the others the `ForceLimits.constants`.
-        minimum: N.
-        maximum: N.
-        kappa: N.
+        rows: of the contacts in f.
+        limits: constants of V.
     """
-    reduced = reduced_barrier(f_p, E, normals, force, spin, inverse_radius, alpha, minimum, maximum, kappa)
+    reduced = reduced_barrier(f_p, E, normals, rows, limits)
     y = _initial(reduced)
     V, gradient, hessian = reduced_value(reduced, y)
     for _ in range(MAX_ITERATIONS):
@@ -203,7 +187,7 @@ def _initial(reduced: ReducedBarrier) -> Array:
     for i in range(n):
         per_y = reduced.pressing[i, 1:]
         for j in range(size):
-            right[j] += per_y[j] * (SQUEEZE * reduced.maximum - reduced.pressing[i, 0])
+            right[j] += per_y[j] * (SQUEEZE * reduced.limits.maximum - reduced.pressing[i, 0])
             for k in range(size):
                 square[j, k] += per_y[j] * per_y[k]
     return np.linalg.solve(square, right)  # type: ignore[return-value]
@@ -218,27 +202,13 @@ class ReducedBarrier(NamedTuple):
     """Gram matrices M_j of sigma_M, shape (n, m, m)."""
     pressing: Array
     """Normal forces per u, shape (n, m)."""
-    alpha: float
-    minimum: float
-    maximum: float
-    kappa: float
+    limits: Constants
 
 
 @compiled
-def reduced_barrier(
-    f_p: Array,
-    E: Array,
-    normals: Array,
-    force: Indices,
-    spin: Indices,
-    inverse_radius: Array,
-    alpha: float,
-    minimum: float,
-    maximum: float,
-    kappa: float,
-) -> ReducedBarrier:
-    """Return V in terms of y, from `ContactModels.rows` and `ForceLimits.constants`; E has shape (c, e_s)."""
-    n, m = len(force), E.shape[1] + 1
+def reduced_barrier(f_p: Array, E: Array, normals: Array, rows: Rows, limits: Constants) -> ReducedBarrier:
+    """Return V in terms of y; E has shape (c, e_s)."""
+    n, m = len(rows.force), E.shape[1] + 1
     Z = np.empty((len(f_p), m))
     for row in range(len(f_p)):
         Z[row, 0] = f_p[row]
@@ -249,13 +219,14 @@ def reduced_barrier(
         size[i, 0, 0] = _TINY
         for j in range(m):
             for axis in range(3):
-                F = Z[force[i] + axis]
+                F = Z[rows.force[i] + axis]
                 pressing[i, j] += normals[i, axis] * F[j]
                 for k in range(m):
                     size[i, j, k] += F[j] * F[k]
             for k in range(m):
-                cone[i, j, k] = size[i, j, k] + Z[spin[i], j] * Z[spin[i], k] * inverse_radius[i] ** 2
-    return ReducedBarrier(cone, size, pressing, alpha, minimum, maximum, kappa)
+                torsion = Z[rows.spin[i], j] * Z[rows.spin[i], k] * rows.inverse_radius[i] ** 2
+                cone[i, j, k] = size[i, j, k] + torsion
+    return ReducedBarrier(cone, size, pressing, limits)
 
 
 @compiled
@@ -265,11 +236,12 @@ def reduced_value(reduced: ReducedBarrier, y: Array) -> tuple[float, Array, Arra
     u = np.ones(m)
     u[1:] = y
     V, gradient, hessian = 0.0, np.zeros(m), np.zeros((m, m))
+    limits = reduced.limits
     for i in range(len(reduced.pressing)):
-        pressing = reduced.pressing[i]
-        V += _add_term(reduced.cone[i], reduced.alpha, pressing, -1.0, 0.0, u, reduced.kappa, gradient, hessian)
-        V += _add_term(reduced.size[i], 0.0, pressing, -1.0, reduced.minimum, u, reduced.kappa, gradient, hessian)
-        V += _add_term(reduced.size[i], 1.0, pressing, 0.0, -reduced.maximum, u, reduced.kappa, gradient, hessian)
+        cone, size, pressing = reduced.cone[i], reduced.size[i], reduced.pressing[i]
+        V += _add_term(cone, limits.alpha, pressing, -1.0, 0.0, u, limits.kappa, gradient, hessian)
+        V += _add_term(size, 0.0, pressing, -1.0, limits.minimum, u, limits.kappa, gradient, hessian)
+        V += _add_term(size, 1.0, pressing, 0.0, -limits.maximum, u, limits.kappa, gradient, hessian)
     return V, gradient[1:].copy(), hessian[1:, 1:].copy()
 
 

@@ -64,8 +64,7 @@ class ContactModels:
         return np.where(self.rows.spin < 0, 0.0, f[self.rows.spin])
 
 
-@dataclass(frozen=True)
-class Contacts:
+class Contacts(NamedTuple):
     """A configuration of n contacts of a hand with h joints; world frame."""
 
     points: Array
@@ -76,8 +75,7 @@ class Contacts:
     """Twist (linear at the contact point, angular) per hand joint rate, shape (n, 6, h)."""
 
 
-@dataclass(frozen=True)
-class ContactDerivatives:
+class ContactDerivatives(NamedTuple):
     """Derivatives of `Contacts` with respect to v variables."""
 
     points: Array

@@ -41,6 +41,6 @@ def solve_forces(statics: Statics, normals: Array, models: ContactModels, limits
     E, f_p = statics.E_s, statics.f_p
     y = np.zeros(0)
     if E.shape[1]:
-        y = minimiser(f_p, E, normals, *models.rows, *limits.constants)
+        y = minimiser(f_p, E, normals, models.rows, limits.constants)
     f = f_p + E @ y
     return ForceSolution(y, f, barrier(f, normals, models, limits))

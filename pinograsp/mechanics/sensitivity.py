@@ -21,9 +21,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array
 from ..compiled import compiled
-from .contacts import ContactDerivatives, ContactModels, Contacts
+from .contacts import ContactDerivatives, ContactModels, Contacts, Rows
 from .forces import ForceSolution
 from .statics import Statics
 
@@ -50,13 +50,9 @@ def force_cost_gradient(
         statics.load.scaled,
         statics.load.rho,
         statics.hand.joint_compliance,
-        contacts.normals,
-        contacts.jacobians,
-        derivatives.points,
-        derivatives.normals,
-        derivatives.jacobians,
-        models.rows.force,
-        models.rows.spin,
+        contacts,
+        derivatives,
+        models.rows,
     )
 
 
@@ -65,8 +61,8 @@ def residual_gradient(statics: Statics, derivatives: ContactDerivatives, models:
     norm = float(np.linalg.norm(statics.residual))
     gradient = np.zeros(derivatives.points.shape[2])
     if norm > 1e-10 * float(np.linalg.norm(statics.load.scaled)):
-        change = derivatives.points, derivatives.normals, models.rows.force, models.rows.spin
-        _add_grasp_matrix_change(gradient, 1.0 / norm, statics.residual, statics.f_p, statics.load.rho, *change)
+        weight, rho = 1.0 / norm, statics.load.rho
+        _add_grasp_matrix_change(gradient, weight, statics.residual, statics.f_p, rho, derivatives, models.rows)
     return gradient
 
 
@@ -85,52 +81,39 @@ def _force_cost_gradient(
     wrench: Array,
     rho: float,
     C_q: Array,
-    normals: Array,
-    jacobians: Array,
-    d_points: Array,
-    d_normals: Array,
-    d_jacobians: Array,
-    force: Indices,
-    spin: Indices,
+    contacts: Contacts,
+    derivatives: ContactDerivatives,
+    rows: Rows,
 ) -> Array:
     nu = inverse @ (wrench + G @ (K @ (J @ Sx)))
     b = inverse @ (G @ (K @ g))
     a = K @ (g - G.T @ b)
-    gradient = np.zeros(d_points.shape[2])
-    change = normals, jacobians, d_normals, d_jacobians, force, spin
-    _add_jacobian_change(gradient, 1.0, a, Sx - C_q * (J.T @ f), *change)
-    _add_jacobian_change(gradient, -1.0, f, C_q * (J.T @ a), *change)
-    _add_grasp_matrix_change(gradient, -1.0, nu, a, rho, d_points, d_normals, force, spin)
-    _add_grasp_matrix_change(gradient, -1.0, b, f, rho, d_points, d_normals, force, spin)
-    _add_grasp_matrix_change(gradient, -1.0, residual, G_K_R @ b, rho, d_points, d_normals, force, spin)
-    for i in range(len(force)):
+    gradient = np.zeros(derivatives.points.shape[2])
+    _add_jacobian_change(gradient, 1.0, a, Sx - C_q * (J.T @ f), contacts, derivatives, rows)
+    _add_jacobian_change(gradient, -1.0, f, C_q * (J.T @ a), contacts, derivatives, rows)
+    _add_grasp_matrix_change(gradient, -1.0, nu, a, rho, derivatives, rows)
+    _add_grasp_matrix_change(gradient, -1.0, b, f, rho, derivatives, rows)
+    _add_grasp_matrix_change(gradient, -1.0, residual, G_K_R @ b, rho, derivatives, rows)
+    for i in range(len(normal_gradient)):
         for axis in range(3):
-            gradient += normal_gradient[i, axis] * d_normals[i, axis]
+            gradient += normal_gradient[i, axis] * derivatives.normals[i, axis]
     return gradient
 
 
 @compiled
 def _add_grasp_matrix_change(
-    gradient: Array,
-    weight: float,
-    left: Array,
-    f: Array,
-    rho: float,
-    d_points: Array,
-    d_normals: Array,
-    force: Indices,
-    spin: Indices,
+    gradient: Array, weight: float, left: Array, f: Array, rho: float, derivatives: ContactDerivatives, rows: Rows
 ) -> None:
     """Add weight left . dG f: only the torque rows of G change."""
     x, y, z = weight / rho * left[3:]
-    for i in range(len(force)):
-        u, v, w = f[force[i] : force[i] + 3]
+    for i in range(len(rows.force)):
+        force, spin = rows.force[i], rows.spin[i]
+        u, v, w = f[force], f[force + 1], f[force + 2]
+        dp, dn = derivatives.points[i], derivatives.normals[i]
         # torque . (dp x F) = dp . (F x torque)
-        gradient += (v * z - w * y) * d_points[i, 0] + (w * x - u * z) * d_points[i, 1]
-        gradient += (u * y - v * x) * d_points[i, 2]
-        if spin[i] >= 0:
-            m = f[spin[i]]
-            gradient += m * x * d_normals[i, 0] + m * y * d_normals[i, 1] + m * z * d_normals[i, 2]
+        gradient += (v * z - w * y) * dp[0] + (w * x - u * z) * dp[1] + (u * y - v * x) * dp[2]
+        if spin >= 0:
+            gradient += f[spin] * (x * dn[0] + y * dn[1] + z * dn[2])
 
 
 @compiled
@@ -139,20 +122,17 @@ def _add_jacobian_change(
     weight: float,
     left: Array,
     rates: Array,
-    normals: Array,
-    jacobians: Array,
-    d_normals: Array,
-    d_jacobians: Array,
-    force: Indices,
-    spin: Indices,
+    contacts: Contacts,
+    derivatives: ContactDerivatives,
+    rows: Rows,
 ) -> None:
     """Add weight left . dJ rates, for left of shape (c,) and joint rates of shape (h,)."""
-    for i in range(len(force)):
+    for i in range(len(rows.force)):
+        force, spin = rows.force[i], rows.spin[i]
         for h in range(len(rates)):
             for axis in range(3):
-                gradient += weight * rates[h] * left[force[i] + axis] * d_jacobians[i, axis, h]
-            if spin[i] >= 0:
-                spinning = weight * rates[h] * left[spin[i]]
-                for axis in range(3):
-                    gradient += spinning * normals[i, axis] * d_jacobians[i, 3 + axis, h]
-                    gradient += spinning * jacobians[i, 3 + axis, h] * d_normals[i, axis]
+                gradient += weight * rates[h] * left[force + axis] * derivatives.jacobians[i, axis, h]
+                if spin >= 0:
+                    spinning = weight * rates[h] * left[spin]
+                    gradient += spinning * contacts.normals[i, axis] * derivatives.jacobians[i, 3 + axis, h]
+                    gradient += spinning * contacts.jacobians[i, 3 + axis, h] * derivatives.normals[i, axis]

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..compiled import compiled
-from .contacts import ContactModels, Contacts
+from .contacts import ContactModels, Contacts, Rows
 
 RANK_TOLERANCE = 1e-9
 """Relative size below which a singular value counts as zero."""
@@ -96,11 +96,9 @@ def grasp_statics(contacts: Contacts, models: ContactModels, hand: Hand, load: L
         load: external wrench and where it acts.
     """
     matrices = _matrices(
-        contacts.points - load.center_of_mass,
-        contacts.normals,
-        contacts.jacobians,
-        models.rows.force,
-        models.rows.spin,
+        contacts,
+        load.center_of_mass,
+        models.rows,
         models.contact_compliance,
         hand.joint_compliance,
         hand.synergies,
@@ -112,37 +110,33 @@ def grasp_statics(contacts: Contacts, models: ContactModels, hand: Hand, load: L
 
 @compiled
 def _matrices(
-    arms: Array,
-    normals: Array,
-    jacobians: Array,
-    force: Indices,
-    spin: Indices,
+    contacts: Contacts,
+    center: Array,
+    rows: Rows,
     contact_compliance: Array,
     joint_compliance: Array,
     synergies: Array,
     wrench: Array,
     rho: float,
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array, Array]:
-    """Return the matrices of `Statics` in their order, for arms from the centre of mass to the contacts, (n, 3)."""
+    """Return the matrices of `Statics` in their order."""
     G = np.zeros((6, len(contact_compliance)))
     J = np.zeros((len(contact_compliance), len(joint_compliance)))
-    for i in range(len(force)):
-        row = force[i]
+    normals, jacobians = contacts.normals, contacts.jacobians
+    for i in range(len(normals)):
+        force, spin = rows.force[i], rows.spin[i]
+        x, y, z = (contacts.points[i] - center) / rho
+        G[3, force + 1], G[3, force + 2] = -z, y
+        G[4, force], G[4, force + 2] = z, -x
+        G[5, force], G[5, force + 1] = -y, x
         for axis in range(3):
-            G[axis, row + axis] = 1.0
-        x, y, z = arms[i, 0] / rho, arms[i, 1] / rho, arms[i, 2] / rho
-        G[3, row + 1], G[3, row + 2] = -z, y
-        G[4, row], G[4, row + 2] = z, -x
-        G[5, row], G[5, row + 1] = -y, x
-        for joint in range(len(joint_compliance)):
-            for axis in range(3):
-                J[row + axis, joint] = jacobians[i, axis, joint]
-            if spin[i] >= 0:
-                for axis in range(3):
-                    J[spin[i], joint] += normals[i, axis] * jacobians[i, 3 + axis, joint]
-        if spin[i] >= 0:
-            for axis in range(3):
-                G[3 + axis, spin[i]] = normals[i, axis] / rho
+            G[axis, force + axis] = 1.0
+            if spin >= 0:
+                G[3 + axis, spin] = normals[i, axis] / rho
+            for joint in range(len(joint_compliance)):
+                J[force + axis, joint] = jacobians[i, axis, joint]
+                if spin >= 0:
+                    J[spin, joint] += normals[i, axis] * jacobians[i, 3 + axis, joint]
     compliance = (J * joint_compliance) @ J.T
     for row in range(len(compliance)):
         compliance[row, row] += contact_compliance[row]
@@ -152,7 +146,7 @@ def _matrices(
     G_K_R = KGt @ inverse
     KJS = K @ (J @ synergies)
     F_s = KJS - G_K_R @ (G @ KJS)
-    E_s, to_synergies = _internal_basis(F_s, np.abs(KJS).max(), normals, force)
+    E_s, to_synergies = _internal_basis(F_s, np.abs(KJS).max(), normals, rows.force)
     f_p = -(G_K_R @ wrench)
     return G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, wrench + G @ f_p
 
