@@ -12,9 +12,11 @@ from .residual import Residual
 
 
 def joint_limits(state: State) -> Residual:
-    """Return the distances from the upper and from the lower limits, rad (m), shape (2 j,)."""
+    """Return the distances from the upper and from the lower limits, rad (m), shape (2 j,); empty without such joints."""
     robot = state.model.robot
     shared = robot.shared_joints
+    if not len(shared):
+        return Residual(np.zeros(0), np.zeros((0, len(state.x))))
     q = robot.joint_positions(state.configuration.posture)[shared]
     lower, upper = robot.joint_limits
     jacobian = np.zeros((2 * len(shared), len(state.x)))
