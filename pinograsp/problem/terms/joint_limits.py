@@ -12,7 +12,7 @@ from .residual import Residual
 
 
 def joint_limits(state: State) -> Residual:
-    """Return the distances from the upper and from the lower limits, rad (m), shape (2 j,); empty without such joints."""
+    """Return the distances from the upper and from the lower limits, rad (m), shape (2 j,); empty without them."""
     robot = state.model.robot
     shared = robot.shared_joints
     if not len(shared):
