@@ -312,8 +312,8 @@ def near_a_grasp(model: TaskModel, database: Database) -> tuple[GraspProblem, Ar
     raise AssertionError("no start is near a grasp")
 
 
-STRICT, LOOSE = 1e-5, 3e-2
-"""Relative errors. Coal seeks the nearest point of a cylinder to 1e-6 m only: its normal there may be off by 1e-3."""
+STRICT, LOOSE = 1e-5, 0.1
+"""Relative errors. Coal seeks the nearest points of a cylinder to 1e-6 m: its normals are off by up to some percent."""
 
 
 def behind(clearances: Array, count: int) -> Array:
