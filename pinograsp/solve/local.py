@@ -36,7 +36,7 @@ class SolverOptions:
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
     cost_tolerance: float = 1e-6
-    """Absolute change of the scaled cost at which a solve stops: 0.001 mm^2 in U."""
+    """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
     projection: Projection = "contacts and clearance"
     """What a start is projected on before the solve."""
 
@@ -176,6 +176,7 @@ def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, st
     optimizer.set_upper_bounds(upper)
     optimizer.set_maxeval(options.budget)
     optimizer.set_ftol_abs(options.cost_tolerance)
+    optimizer.set_ftol_rel(10.0 * options.cost_tolerance)
     optimizer.set_xtol_rel(1e-10)
 
     def cost(z: Array, gradient: Array) -> float:
