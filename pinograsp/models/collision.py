@@ -91,7 +91,7 @@ class CollisionModel:
         joints = np.array([solid.joint for solid in self._solids])
         self._joints = joints
         self._placements = np.array([solid.placement for solid in self._solids])
-        self._centers = np.array([solid.center for solid in self._solids])
+        self._centers = np.array([s.placement[:3, :3].T @ (s.center - s.placement[:3, 3]) for s in self._solids])
         self._first, self._second = first, second
         self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
         self._radii = np.array([solid.radius for solid in self._solids])
@@ -113,12 +113,25 @@ class CollisionModel:
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
-        turns, shifts = configuration.rotations[self._joints], configuration.translations[self._joints]
-        centers = np.matmul(turns, self._centers[:, :, None])[:, :, 0] + shifts
-        indices = _near(centers, self._radii, self._normals, self._offsets, self._first, self._second, self._reach)
+        turns, shifts = self._placed(configuration)
+        indices = _near(
+            turns,
+            shifts,
+            self._centers,
+            self._radii,
+            self._normals,
+            self._offsets,
+            self._first,
+            self._second,
+            self._reach,
+        )
         values, points, normals = self.measure(indices, configuration)
         gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
         return Distances(indices, values, gradients)
+
+    def _placed(self, configuration: Configuration) -> tuple[Array, Array]:
+        """Return the poses of all solids: rotations (solids, 3, 3), translations (solids, 3), world."""
+        return _placed(configuration.rotations, configuration.translations, self._joints, self._placements)
 
     def measure(self, indices: Indices, configuration: Configuration) -> tuple[Array, Array, Array]:
         """Measure some pairs, whether near or not.
@@ -127,13 +140,9 @@ class CollisionModel:
             Distances (k,), witness points on the first bodies (k, 3), and unit normals from the first bodies to the
             second (k, 3); m, world.
         """
-        solids = list({*self._first[indices].tolist(), *self._second[indices].tolist()})
-        joints = self._joints[solids]
-        turns, shifts = configuration.rotations[joints], configuration.translations[joints]
-        shifts = shifts + np.matmul(turns, self._placements[solids, :3, 3:])[:, :, 0]
-        turns = np.matmul(turns, self._placements[solids, :3, :3])
-        for solid, turn, shift in zip(solids, turns, shifts, strict=True):
-            self._poses[solid].setTransform(turn, shift)
+        turns, shifts = self._placed(configuration)
+        for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
+            self._poses[solid].setTransform(turns[solid], shifts[solid])
         values = np.empty(len(indices))
         points, normals = np.empty((len(indices), 3)), np.empty((len(indices), 3))
         result = self._result
@@ -188,13 +197,38 @@ class CollisionModel:
 
 
 @compiled
+def _placed(rotations: Array, translations: Array, joints: Indices, placements: Array) -> tuple[Array, Array]:
+    """Return rotations and translations of solids that are placed in the frames of joints."""
+    turns, shifts = np.zeros((len(joints), 3, 3)), np.empty((len(joints), 3))
+    for solid in range(len(joints)):
+        joint = joints[solid]
+        for row in range(3):
+            shifts[solid, row] = translations[joint, row]
+            for k in range(3):
+                shifts[solid, row] += rotations[joint, row, k] * placements[solid, k, 3]
+                for column in range(3):
+                    turns[solid, row, column] += rotations[joint, row, k] * placements[solid, k, column]
+    return turns, shifts
+
+
+@compiled
 def _near(
-    centers: Array, radii: Array, normals: Array, offsets: Array, first: Indices, second: Indices, reach: Array
+    turns: Array,
+    shifts: Array,
+    centers: Array,
+    radii: Array,
+    normals: Array,
+    offsets: Array,
+    first: Indices,
+    second: Indices,
+    reach: Array,
 ) -> Indices:
     """Return the pairs that can be nearer than their reach, from bounding spheres; walls have an infinite radius.
 
     Args:
-        centers: of the solids, world, m, shape (solids, 3).
+        turns: rotations of the solids, shape (solids, 3, 3).
+        shifts: translations of the solids, world, m, shape (solids, 3).
+        centers: of the bounding spheres, in the solids' frames, m, shape (solids, 3).
         radii: of the solids, m, shape (solids,).
         normals: of the walls, inward, shape (solids, 3).
         offsets: of the walls: normal . p on them, m, shape (solids,).
@@ -202,6 +236,11 @@ def _near(
         second: solid or wall of every pair, shape (pairs,).
         reach: of every pair, m, shape (pairs,).
     """
+    at = shifts.copy()
+    for solid in range(len(at)):
+        for row in range(3):
+            for k in range(3):
+                at[solid, row] += turns[solid, row, k] * centers[solid, k]
     near = np.empty(len(first), dtype=np.intp)
     count = 0
     for pair in range(len(first)):
@@ -209,12 +248,12 @@ def _near(
         if math.isinf(radii[b]):
             height = -offsets[b]
             for axis in range(3):
-                height += centers[a, axis] * normals[b, axis]
+                height += at[a, axis] * normals[b, axis]
             close = height - radii[a] < reach[pair]
         else:
             square, limit = 0.0, reach[pair] + radii[a] + radii[b]
             for axis in range(3):
-                square += (centers[a, axis] - centers[b, axis]) ** 2
+                square += (at[a, axis] - at[b, axis]) ** 2
             close = square < limit * limit
         if close:
             near[count] = pair

@@ -42,17 +42,19 @@ def above(patch: object, points: Array) -> Array:
 
 
 _UP = np.array([0.0, 0.0, 1.0])
+_ALONG = np.eye(3)
+_STRAIGHT = np.zeros((3, 2))
 
 
 @patch_point.register
 def _(patch: PlanePatch, parameters: Array) -> PatchPoint:
     u, v = parameters
-    return PatchPoint(np.array([u, v, 0.0]), _UP, np.eye(3)[:, :2], np.zeros((3, 2)))
+    return PatchPoint(np.array([u, v, 0.0]), _UP, _ALONG[:, :2], _STRAIGHT)
 
 
 @patch_point.register
 def _(patch: LinePatch, parameters: Array) -> PatchPoint:
-    return PatchPoint(np.array([parameters[0], 0.0, 0.0]), _UP, np.eye(3)[:, :1], np.zeros((3, 1)))
+    return PatchPoint(np.array([parameters[0], 0.0, 0.0]), _UP, _ALONG[:, :1], _STRAIGHT[:, :1])
 
 
 @patch_point.register

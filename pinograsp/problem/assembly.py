@@ -13,7 +13,9 @@ the inequality on V* sees the difference.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -72,6 +74,27 @@ class Evaluation:
         return max(worst, float(self.inequalities.values.max(initial=0.0)))
 
 
+class _Inside(NamedTuple):
+    """A term that is to be positive: how far inside something the grasp is."""
+
+    of: Callable[[State], Residual]
+    scale: float
+    least: float
+    """How far inside it must be."""
+    rows: int
+
+
+class _Part(NamedTuple):
+    """Rows of a stacked residual."""
+
+    residual: Residual
+    scale: float
+    least: float = 0.0
+    """Taken from the values."""
+    violated: bool = False
+    """Whether only values below `least` count."""
+
+
 class GraspProblem:
     """The problem of one task for one assignment of pads to desired points."""
 
@@ -84,10 +107,11 @@ class GraspProblem:
         low, high = model.robot.parameter_limits.T
         self.lower = np.concatenate([model.lower, low])
         self.upper = np.concatenate([model.upper, high])
-        regions = 0 if model.region is None else len(pads)
-        cones = 0 if model.approach is None else 1
-        limits = 2 * len(model.robot.shared_joints)
-        self.inequality_count = 2 + regions + cones + limits + len(self.clearance.links)
+        self._insides = [_Inside(contact_region, PER_METRE, INSIDE, len(pads))] * (model.region is not None)
+        self._insides += [_Inside(approach, PER_RADIAN, INSIDE_CONE, 1)] * (model.approach is not None)
+        shared = len(model.robot.shared_joints)
+        self._insides += [_Inside(joint_limits, PER_RADIAN, INSIDE_LIMITS, 2 * shared)] * (shared > 0)
+        self.inequality_count = 2 + sum(term.rows for term in self._insides) + len(self.clearance.links)
 
     def state(self, x: Array) -> State:
         """Return the state at x."""
@@ -104,18 +128,13 @@ class GraspProblem:
             clearances: weight of the violated clearances; 0: left out, not measured.
         """
         state = self.state(x)
-        residuals = [
-            _scaled(contact_gap(state), PER_METRE),
-            _scaled(facing(state), FACING),
-            _scaled(_violated(_less(contact_region(state), INSIDE)), PER_METRE),
-            _scaled(_violated(_less(approach(state), INSIDE_CONE)), PER_RADIAN),
-            _scaled(_violated(_less(joint_limits(state), INSIDE_LIMITS)), PER_RADIAN),
-        ]
+        parts = [_Part(contact_gap(state), PER_METRE), _Part(facing(state), FACING)]
+        parts += [_Part(term.of(state), term.scale, term.least, violated=True) for term in self._insides]
         if wishes > 0.0:
-            residuals.append(_scaled(desired_contacts(state), wishes * PER_METRE))
+            parts.append(_Part(desired_contacts(state), wishes * PER_METRE))
         if clearances > 0.0:
-            residuals.append(_scaled(_violated(self.clearance(state)), clearances * PER_METRE))
-        return _stack(*residuals)
+            parts.append(_Part(self.clearance(state), clearances * PER_METRE, violated=True))
+        return _stack(parts)
 
     def equality_basis(self, near: Evaluation) -> Array:
         """Return combinations of the equalities that are independent near a point of contact, shape (r, 4 n).
@@ -144,20 +163,12 @@ class GraspProblem:
         k = self.model.task.force_weight
         cost = COST_SCALE * (1e6 * float(offsets.values @ offsets.values) + k * psi)
         gradient = COST_SCALE * (2e6 * offsets.values @ offsets.jacobian + k * slope * V.jacobian[0])
-        equalities = _stack(
-            _scaled(contact_gap(state), PER_METRE),
-            _scaled(facing(state), PER_METRE * self.model.load.rho),
-        )
+        equalities = [_Part(contact_gap(state), PER_METRE), _Part(facing(state), PER_METRE * self.model.load.rho)]
         log_V = Residual(np.log(V.values / strict), V.jacobian / V.values[0])
-        inequalities = _stack(
-            log_V,
-            self._balance(state),
-            _scaled(_less(contact_region(state), INSIDE), -PER_METRE),
-            _scaled(_less(approach(state), INSIDE_CONE), -PER_RADIAN),
-            _scaled(_less(joint_limits(state), INSIDE_LIMITS), -PER_RADIAN),
-            _scaled(self.clearance(state), -PER_METRE),
-        )
-        return Evaluation(x, cost, gradient, equalities, inequalities)
+        inequalities = [_Part(log_V, 1.0), _Part(self._balance(state), 1.0)]
+        inequalities += [_Part(term.of(state), -term.scale, term.least) for term in self._insides]
+        inequalities.append(_Part(self.clearance(state), -PER_METRE))
+        return Evaluation(x, cost, gradient, _stack(equalities), _stack(inequalities))
 
     def _balance(self, state: State) -> Residual:
         unbalanced = unbalanced_wrench(state)
@@ -202,19 +213,10 @@ def _saturated(V: float, strict: float) -> tuple[float, float]:
     return (V, 1.0) if strict >= V else (strict * (1.0 + math.log(V / strict)), strict / V)
 
 
-def _violated(residual: Residual) -> Residual:
-    """Return what is below zero, and zero elsewhere."""
-    below = residual.values < 0.0
-    return Residual(np.where(below, residual.values, 0.0), residual.jacobian * below[:, None])
-
-
-def _less(residual: Residual, amount: float) -> Residual:
-    return Residual(residual.values - amount, residual.jacobian)
-
-
-def _scaled(residual: Residual, scale: float) -> Residual:
-    return Residual(scale * residual.values, scale * residual.jacobian)
-
-
-def _stack(*residuals: Residual) -> Residual:
-    return Residual(np.concatenate([r.values for r in residuals]), np.concatenate([r.jacobian for r in residuals]))
+def _stack(parts: list[_Part]) -> Residual:
+    """Return scale (value - least) of all rows; of parts that count where they are violated, zero elsewhere."""
+    counts = [len(part.residual.values) for part in parts]
+    scales, least, violated = np.repeat([part[1:] for part in parts], counts, axis=0).T
+    values = np.concatenate([part.residual.values for part in parts]) - least
+    scales = np.where((violated > 0.0) & (values >= 0.0), 0.0, scales)
+    return Residual(scales * values, scales[:, None] * np.concatenate([part.residual.jacobian for part in parts]))
