@@ -15,7 +15,7 @@ from conftest import TOY_SCENE, Array, SceneFactory, agree, random_parameters
 from pinograsp.descriptions import SceneDescription
 from pinograsp.errors import InputError
 from pinograsp.models import BatchClearance, RobotModel
-from pinograsp.models.collision import REACH
+from pinograsp.models.collision import REACH, SLACK
 from pinograsp.models.hand_posture import preshape, synergy_postures, widest_jaw
 from pinograsp.problem import GraspProblem, State, TaskModel, check_task
 from pinograsp.problem.assembly import COST_SCALE, _saturated
@@ -294,7 +294,8 @@ def test_clearance_is_a_tight_lower_bound(place: Place) -> None:
     """Of what every link's least distance has above its margin, bent; `worst` gives the unbent least."""
     problem, state = place.problem, place.state
     model, measured = state.model, state.distances
-    margins = {"enclosure": model.task.margin.enclosure, "self": model.task.margin.robot, "object": 0.0}
+    margin = model.task.margin
+    margins = {"enclosure": margin.enclosure + SLACK, "self": margin.robot + SLACK, "object": 0.0}
     least = dict.fromkeys(problem.clearance.links, math.inf)
     known = dict(zip(measured.indices.tolist(), measured.values.tolist(), strict=True))
     worst: dict[str, float] = {}

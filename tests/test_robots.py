@@ -22,6 +22,7 @@ from conftest import Array, agree, alone, matrix, poses_of, random_parameters
 from numpy.typing import NDArray
 
 import pinograsp
+from benchmark_robots import SCENES
 from pinograsp import Database, RobotModel, build_database, load_robot, load_scene, plan
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import SceneDescription, load_robot_description, shipped_robots
@@ -42,12 +43,8 @@ SLOW = pytest.mark.slow
 
 @dataclass(frozen=True)
 class Shipped:
-    """What a shipped robot is, by the data sheets of arm and hand, and where it is tested."""
+    """What a shipped robot is, by the data sheets of arm and hand."""
 
-    sphere: str
-    """Scene with the task `sphere`."""
-    can: str
-    """Scene with the task `can`, in the same enclosure."""
     arm: int
     hand: int
     """Joints that synergies move, followers included."""
@@ -56,13 +53,13 @@ class Shipped:
 
 
 ROBOTS = {
-    "gen3_2f85": Shipped("glovebox", "glovebox_can", arm=7, hand=6),
-    "gen3_2f85_paper": Shipped("glovebox", "glovebox_can", arm=7, hand=4),
-    "panda": Shipped("panda_table", "panda_table", arm=7, hand=2),
-    "fr3": Shipped("fr3_ceiling", "fr3_ceiling", arm=7, hand=2),
-    "ur5_2f85": Shipped("ur5_wall", "ur5_wall", arm=6, hand=6),
-    "xarm7_2f85": Shipped("xarm7_table", "xarm7_table", arm=7, hand=6),
-    "xarm7_allegro": Shipped("allegro_ceiling", "allegro_ceiling", arm=7, hand=15, synergies=10, pads=4),
+    "gen3_2f85": Shipped(arm=7, hand=6),
+    "gen3_2f85_paper": Shipped(arm=7, hand=4),
+    "panda": Shipped(arm=7, hand=2),
+    "fr3": Shipped(arm=7, hand=2),
+    "ur5_2f85": Shipped(arm=6, hand=6),
+    "xarm7_2f85": Shipped(arm=7, hand=6),
+    "xarm7_allegro": Shipped(arm=7, hand=15, synergies=10, pads=4),
 }
 TASKS = [(name, task) for name in ROBOTS for task in ("sphere", "can")]
 ALLEGRO = "xarm7_allegro"
@@ -79,7 +76,7 @@ def robot_named(name: str) -> RobotModel:
 
 
 def scene_of(name: str, task: str) -> SceneDescription:
-    return load_scene(getattr(ROBOTS[name], task))
+    return load_scene(SCENES[name][task])
 
 
 @functools.cache
@@ -312,8 +309,8 @@ def near_a_grasp(model: TaskModel, database: Database) -> tuple[GraspProblem, Ar
     raise AssertionError("no start is near a grasp")
 
 
-STRICT, LOOSE = 1e-5, 0.1
-"""Relative errors. Coal seeks the nearest points of a cylinder to 1e-6 m: its normals are off by up to some percent."""
+STRICT, LOOSE = 1e-5, 1e-2
+"""Relative errors. Coal's nearest points of a cylinder are found by iteration: its normals are a little off."""
 
 
 def behind(clearances: Array, count: int) -> Array:

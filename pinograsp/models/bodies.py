@@ -45,7 +45,7 @@ def distance_request() -> Any:
     """
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
-    request.gjk_tolerance = 1e-8
+    request.gjk_tolerance = 1e-10
     request.gjk_initial_guess = coal.GJKInitialGuess.BoundingVolumeGuess
     return request
 
