@@ -113,8 +113,8 @@ def costs(robot: RobotModel, scene: SceneDescription, task: str, count: int) -> 
     print(f"a model with cached pieces: {time.perf_counter() - began:.2f} s; {len(pieces.collisions.pairs)} pairs")
     with cached_database(robot, scene, pieces.task.margin) as database:
         starts = starts_near(database, pieces, count, seed=0)
-    problems = {name: GraspProblem(model, tuple(range(len(robot.pads)))) for name, model in models.items()}
-    middle = robot.parameter_limits.mean(axis=1)
+    problems = {name: GraspProblem(model, tuple(range(len(model.robot.pads)))) for name, model in models.items()}
+    middle = pieces.robot.parameter_limits.mean(axis=1)
     solver = LocalSolver(pieces, SolverOptions())
     places = {
         "starts": [np.concatenate([start, middle]) for start in starts],
