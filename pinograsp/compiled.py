@@ -18,4 +18,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 def compiled(function: Function) -> Function:
     """Compile a function; division by zero gives infinity or NaN, as in NumPy."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    try:
+        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    except RuntimeError:  # no folder can be written: compiled in every process
+        return cast(Function, numba.njit(error_model="numpy")(function))

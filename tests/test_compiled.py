@@ -10,11 +10,14 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
 import pinograsp
+from pinograsp.compiled import compiled
 
 PACKAGE = Path(pinograsp.__file__).parent
 SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if "@compiled" in path.read_text())
@@ -54,6 +57,18 @@ def inside_annotation(node: ast.AST) -> list[ast.AST]:
     return list(ast.walk(node.annotation)) if isinstance(node, ast.AnnAssign) else []
 
 
+def test_without_a_folder_to_keep_it_in_a_function_is_compiled_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    njit = numba.njit
+
+    def refuse(cache: bool = False, **options: Any) -> Any:
+        if cache:
+            raise RuntimeError("cannot cache function 'twice': no locator available for file 'twice.py'")
+        return njit(**options)
+
+    monkeypatch.setattr(numba, "njit", refuse)
+    assert compiled(lambda x: 1.0 / x)(0.0) == np.inf
+
+
 INTERPRETED = """
 import numpy as np, pinograsp
 from pinograsp.problem import GraspProblem, TaskModel
@@ -67,7 +82,7 @@ print(repr([float(here.cost), *np.concatenate([part.ravel() for part in parts]).
 
 def test_compiled_is_what_the_source_says() -> None:
     """One evaluation with Numba and one with plain Python give the same numbers."""
-    compiled, interpreted = (
+    fast, slow = (
         subprocess.run(
             [sys.executable, "-c", INTERPRETED],
             env={"PATH": "", "NUMBA_DISABLE_JIT": off, "HOME": str(Path.home())},
@@ -77,6 +92,6 @@ def test_compiled_is_what_the_source_says() -> None:
         ).stdout
         for off in ("0", "1")
     )
-    first, second = np.array(ast.literal_eval(compiled)), np.array(ast.literal_eval(interpreted))
+    first, second = np.array(ast.literal_eval(fast)), np.array(ast.literal_eval(slow))
     assert len(first) > 100
     np.testing.assert_allclose(first, second, rtol=1e-7, atol=1e-9 * np.abs(first).max())
