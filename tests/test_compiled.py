@@ -65,8 +65,10 @@ def test_without_a_folder_to_keep_it_in_a_function_is_compiled_all_the_same(monk
             raise RuntimeError("cannot cache function 'twice': no locator available for file 'twice.py'")
         return njit(**options)
 
-    monkeypatch.setattr(numba, "njit", refuse)
-    assert compiled(lambda x: 1.0 / x)(0.0) == np.inf
+    with monkeypatch.context() as patch:
+        patch.setattr(numba, "njit", refuse)
+        invert = compiled(lambda x: 1.0 / x)
+    assert invert(0.0) == np.inf
 
 
 INTERPRETED = """
