@@ -94,10 +94,10 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("--seed", type=int, default=0)
     add("--workers", type=int, default=os.cpu_count() or 1)
     some: dict[str, Any] = {"nargs": "?", "type": int, "default": 0, "metavar": "STARTS"}
-    add("--compare", const=200, help="LD_SLSQP against LN_COBYLA, on 200 starts unless said otherwise", **some)
-    add("--algorithms", const=20, help="other algorithms of NLopt, with the first robot, on 20 starts", **some)
+    add("--compare", const=16, help="LD_SLSQP against LN_COBYLA, on 16 starts unless said otherwise", **some)
+    add("--algorithms", const=4, help="other algorithms of NLopt, with the first robot, on 4 starts", **some)
     add("--alternative", action="store_true", help="the simple way: hand poses, inverse kinematics, filter")
-    add("--sweep", const=200, help="case 2 with other weights of the forces, on 200 starts", **some)
+    add("--sweep", const=40, help="case 2 with other weights of the forces, on 40 starts", **some)
     add("--fresh", action="store_true", help="compute everything again")
     return parser.parse_args(arguments)
 
