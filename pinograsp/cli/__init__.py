@@ -18,6 +18,7 @@ from ..results import Result, grasp_table, outcome_lines, write_json
 from ..solve import SolverOptions
 from ..solve.local import Algorithm
 from .database import app as database_app
+from .folders import make_folder
 from .progress_bar import ProgressBar
 from .robot import app as robot_app
 
@@ -65,7 +66,7 @@ def plan_command(
     console = Console()
     robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
     options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
-    _make_folder(out)
+    make_folder(out)  # before the work, not after it
     with ProgressBar(console) as bar:
         result = plan(
             robot_model,
@@ -132,12 +133,3 @@ def _report(result: Result, console: Console) -> None:
 def _say(console: Console, line: str) -> None:
     """Print one line as it is, however narrow the terminal: paths stay whole."""
     console.print(line, highlight=False, soft_wrap=True)
-
-
-def _make_folder(folder: Path) -> None:
-    """Make the folder of the results before the work, not after it."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"no such folder can be made: {reason}", file=folder, key="--out") from None

@@ -24,6 +24,7 @@ from ..onboarding import (
     summary,
     write_new,
 )
+from .folders import make_folder
 
 app = typer.Typer(no_args_is_help=True, help="Write a first robot file for a URDF; check a robot file.")
 SOMETHING_WRONG = 1
@@ -105,11 +106,7 @@ def _write_page(report: Report, folder: Path) -> Path | None:
         return None
     from ..visualization.robot_page import Remark, write_robot_html
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"no such folder can be made: {reason}", file=folder, key="--out") from None
+    make_folder(folder)
     page = folder / f"{report.robot.description.name}_check.html"
     remarks = [Remark(finding.level, finding.what, finding.remedy) for finding in report.findings]
     write_robot_html(report.robot, remarks, page)
