@@ -26,8 +26,7 @@ from pinograsp.descriptions.scene import Margins
 from pinograsp.models import BatchClearance, RobotModel, forward, hand_opening
 from pinograsp.models.collision_elements import CollisionElement, collision_elements
 from pinograsp.models.cover_cache import mesh_cover, read_triangles
-from pinograsp.models.hulls import Hull, boundary
-from pinograsp.models.mesh_surface import MeshSurface
+from pinograsp.onboarding.excess import excess
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near
 
@@ -57,18 +56,6 @@ def with_collision(robot: RobotModel, collision: CollisionDescription) -> RobotM
     return RobotModel(robot.description.model_copy(update={"collision": collision}))
 
 
-def excess(pieces: Sequence[Array], triangles: Array, samples: int = SAMPLES) -> Array:
-    """Return distances to a mesh of points spread over the outer boundary of the union of convex pieces, m.
-
-    Args:
-        pieces: vertices, each of shape (k, 3).
-        triangles: of the mesh, shape (n, 3, 3).
-        samples: points before those within another piece are taken out.
-    """
-    points, _ = boundary([Hull(vertices) for vertices in pieces], samples)
-    return MeshSurface(triangles).distances(points)
-
-
 def figures(robot: RobotModel) -> None:
     """Print the excess, mesh by mesh."""
     print(f"{robot.description.name}: excess in mm (95th percentile, largest, mean), pieces and vertices")
@@ -79,8 +66,8 @@ def figures(robot: RobotModel) -> None:
             continue
         hull, cover = (covered(element, limits) for limits in ((1, 1.0), robot.description.collision.of(element.link)))
         triangles = read_triangles(element.mesh) * element.size
-        total["hull"].append(of_hull := excess(hull, triangles))
-        total["cover"].append(of_cover := excess(cover, triangles))
+        total["hull"].append(of_hull := excess(hull, triangles, SAMPLES))
+        total["cover"].append(of_cover := excess(cover, triangles, SAMPLES))
         counts = [sum(map(len, pieces)) for pieces in (hull, cover)]
         print(
             f"  {element.link:38} {in_words(of_hull):>19} {counts[0]:9}   "

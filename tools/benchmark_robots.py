@@ -14,10 +14,11 @@ import argparse
 import numpy as np
 
 import pinograsp
-from benchmark_covers import covered, excess
+from benchmark_covers import SAMPLES, covered
 from pinograsp.models import RobotModel
 from pinograsp.models.collision_elements import CollisionElement, collision_elements
 from pinograsp.models.cover_cache import read_triangles
+from pinograsp.onboarding.excess import excess
 
 SCENES = {
     "gen3_2f85": {"sphere": "glovebox", "can": "glovebox_can"},
@@ -69,7 +70,8 @@ def closeness(robot: RobotModel) -> list[str]:
 def worst(element: CollisionElement, limits: tuple[int, float]) -> float:
     """Return the 95th percentile of distances between the pieces of a mesh, for a number and a tolerance, and it."""
     assert element.mesh is not None
-    return float(np.percentile(excess(covered(element, limits), read_triangles(element.mesh) * element.size), 95))
+    triangles = read_triangles(element.mesh) * element.size
+    return float(np.percentile(excess(covered(element, limits), triangles, SAMPLES), 95))
 
 
 if __name__ == "__main__":
