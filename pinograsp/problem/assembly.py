@@ -75,13 +75,19 @@ class Evaluation:
 
 
 class _Inside(NamedTuple):
-    """A term that is to be positive: how far inside something the grasp is."""
+    """A term that is to be positive: how far inside something the grasp is; no rows if nothing is asked for."""
 
     of: Callable[[State], Residual]
     scale: float
     least: float
     """How far inside it must be."""
-    rows: int
+
+
+_INSIDES = (
+    _Inside(contact_region, PER_METRE, INSIDE),
+    _Inside(approach, PER_RADIAN, INSIDE_CONE),
+    _Inside(joint_limits, PER_RADIAN, INSIDE_LIMITS),
+)
 
 
 class _Part(NamedTuple):
@@ -107,11 +113,10 @@ class GraspProblem:
         low, high = model.robot.parameter_limits.T
         self.lower = np.concatenate([model.lower, low])
         self.upper = np.concatenate([model.upper, high])
-        self._insides = [_Inside(contact_region, PER_METRE, INSIDE, len(pads))] * (model.region is not None)
-        self._insides += [_Inside(approach, PER_RADIAN, INSIDE_CONE, 1)] * (model.approach is not None)
-        shared = len(model.robot.shared_joints)
-        self._insides += [_Inside(joint_limits, PER_RADIAN, INSIDE_LIMITS, 2 * shared)] * (shared > 0)
-        self.inequality_count = 2 + sum(term.rows for term in self._insides) + len(self.clearance.links)
+        regions = 0 if model.region is None else len(pads)
+        cones = 0 if model.approach is None else 1
+        limits = 2 * len(model.robot.shared_joints)
+        self.inequality_count = 2 + regions + cones + limits + len(self.clearance.links)
 
     def state(self, x: Array) -> State:
         """Return the state at x."""
@@ -129,7 +134,7 @@ class GraspProblem:
         """
         state = self.state(x)
         parts = [_Part(contact_gap(state), PER_METRE), _Part(facing(state), FACING)]
-        parts += [_Part(term.of(state), term.scale, term.least, violated=True) for term in self._insides]
+        parts += [_Part(term.of(state), term.scale, term.least, violated=True) for term in _INSIDES]
         if wishes > 0.0:
             parts.append(_Part(desired_contacts(state), wishes * PER_METRE))
         if clearances > 0.0:
@@ -166,7 +171,7 @@ class GraspProblem:
         equalities = [_Part(contact_gap(state), PER_METRE), _Part(facing(state), PER_METRE * self.model.load.rho)]
         log_V = Residual(np.log(V.values / strict), V.jacobian / V.values[0])
         inequalities = [_Part(log_V, 1.0), _Part(self._balance(state), 1.0)]
-        inequalities += [_Part(term.of(state), -term.scale, term.least) for term in self._insides]
+        inequalities += [_Part(term.of(state), -term.scale, term.least) for term in _INSIDES]
         inequalities.append(_Part(self.clearance(state), -PER_METRE))
         return Evaluation(x, cost, gradient, _stack(equalities), _stack(inequalities))
 
