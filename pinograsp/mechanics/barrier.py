@@ -190,7 +190,7 @@ def _initial(reduced: ReducedBarrier) -> Array:
             right[j] += per_y[j] * (SQUEEZE * reduced.limits.maximum - reduced.pressing[i, 0])
             for k in range(size):
                 square[j, k] += per_y[j] * per_y[k]
-    return np.linalg.solve(square, right)  # type: ignore[return-value]
+    return np.linalg.solve(square, right).astype(np.float64)
 
 
 class ReducedBarrier(NamedTuple):

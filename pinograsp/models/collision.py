@@ -128,7 +128,7 @@ class CollisionModel:
             self._second,
             self._reach,
         )
-        values, points, normals = self.measure(indices, configuration)
+        values, points, normals = self._measure(indices, turns, shifts)
         gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
         return Distances(indices, values, gradients)
 
@@ -143,7 +143,9 @@ class CollisionModel:
             Distances (k,), witness points on the first bodies (k, 3), and unit normals from the first bodies to the
             second (k, 3); m, world.
         """
-        turns, shifts = self._placed(configuration)
+        return self._measure(indices, *self._placed(configuration))
+
+    def _measure(self, indices: Indices, turns: Array, shifts: Array) -> tuple[Array, Array, Array]:
         for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
             self._poses[solid].setTransform(turns[solid], shifts[solid])
         values = np.empty(len(indices))

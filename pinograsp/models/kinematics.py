@@ -17,7 +17,7 @@ import pinocchio as pin
 from ..arrays import Array, Indices
 from ..compiled import compiled
 from .patches import patch_point
-from .robot import RobotModel
+from .robot import PadFrames, RobotModel
 
 
 @dataclass(frozen=True)
@@ -84,15 +84,12 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
             configuration.jacobian,
             robot.B,
             robot.hand_joints,
-            pads.joints,
-            pads.rotations,
-            pads.translations,
             robot.supports,
+            pads,
             np.array([at.point for at in local]),
             np.array([at.normal for at in local]),
             np.concatenate([at.d_point.T for at in local]),
             np.concatenate([at.d_normal.T for at in local]),
-            pads.owners,
         )
     )
 
@@ -104,42 +101,26 @@ def _contact_kinematics(
     jacobian: Array,
     B: Array,
     hand: Indices,
-    joints: Indices,
-    pad_rotations: Array,
-    pad_translations: Array,
     supports: Array,
+    pads: PadFrames,
     local_points: Array,
     local_normals: Array,
     local_d_points: Array,
     local_d_normals: Array,
-    owners: Indices,
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
     """Return the fields of `ContactKinematics` in their order.
 
-    Points and normals on the patches, shape (n, 3), have derivatives in the contact parameters, shape (c, 3);
-    `owners` says to which pad a parameter belongs.
+    Points and normals on the patches, shape (n, 3), have derivatives in the contact parameters, shape (c, 3).
     """
-    n, (nv, size) = len(joints), B.shape
-    v = size + len(owners)
-    points, normals = np.empty((n, 3)), np.empty((n, 3))
+    n, (nv, size) = len(pads.joints), B.shape
+    v = size + len(pads.owners)
+    R, points, normals = _placed(rotations, translations, pads, local_points, local_normals)
     d_points, d_normals = np.zeros((n, 3, v)), np.zeros((n, 3, v))
     linear, angular = np.zeros((n, 3, nv)), np.zeros((n, 3, nv))
     jacobians = np.empty((n, 6, len(hand)))
-    R = np.empty((n, 3, 3))
     for i in range(n):
-        joint = joints[i]
-        for row in range(3):
-            p, normal = translations[joint, row], 0.0
-            for column in range(3):
-                R[i, row, column] = 0.0
-                for k in range(3):
-                    R[i, row, column] += rotations[joint, row, k] * pad_rotations[i, k, column]
-                p += rotations[joint, row, column] * pad_translations[i, column]
-                p += R[i, row, column] * local_points[i, column]
-                normal += R[i, row, column] * local_normals[i, column]
-            points[i, row], normals[i, row] = p, normal
         for k in range(nv):
-            if supports[joint, k] == 0.0:
+            if supports[pads.joints[i], k] == 0.0:
                 continue
             for x in range(3):
                 y, z = (x + 1) % 3, (x + 2) % 3
@@ -154,13 +135,33 @@ def _contact_kinematics(
             for x in range(3):
                 jacobians[i, x, h] = linear[i, x, hand[h]]
                 jacobians[i, 3 + x, h] = angular[i, x, hand[h]]
-    for c in range(len(owners)):
-        i = owners[c]
+    for c in range(len(pads.owners)):
+        i = pads.owners[c]
         for row in range(3):
             for column in range(3):
                 d_points[i, row, size + c] += R[i, row, column] * local_d_points[c, column]
                 d_normals[i, row, size + c] += R[i, row, column] * local_d_normals[c, column]
     return points, normals, jacobians, d_points, d_normals, linear, angular
+
+
+@compiled
+def _placed(
+    rotations: Array, translations: Array, pads: PadFrames, local_points: Array, local_normals: Array
+) -> tuple[Array, Array, Array]:
+    """Return rotations of the pads, points on them and normals there, world, shapes (n, 3, 3), (n, 3), (n, 3)."""
+    n = len(pads.joints)
+    R, points, normals = np.zeros((n, 3, 3)), np.empty((n, 3)), np.zeros((n, 3))
+    for i in range(n):
+        joint = pads.joints[i]
+        for row in range(3):
+            points[i, row] = translations[joint, row]
+            for column in range(3):
+                for k in range(3):
+                    R[i, row, column] += rotations[joint, row, k] * pads.rotations[i, k, column]
+                points[i, row] += rotations[joint, row, column] * pads.translations[i, column]
+                points[i, row] += R[i, row, column] * local_points[i, column]
+                normals[i, row] += R[i, row, column] * local_normals[i, column]
+    return R, points, normals
 
 
 def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Array:
