@@ -25,7 +25,7 @@ from pinograsp.mechanics import (
     residual_gradient,
     solve_forces,
 )
-from pinograsp.mechanics.barrier import barrier, constraint_values, penalty, reduced_barrier, reduced_value
+from pinograsp.mechanics.barrier import barrier, penalty, reduced_barrier, reduced_value
 
 Array = NDArray[np.float64]
 
@@ -47,6 +47,21 @@ def two_fingers(
     hand = Hand(np.ones((2, 1)), np.full(2, 0.01))
     load = Load(np.zeros(3) if com is None else com, wrench, RADIUS)
     return grasp_statics(Contacts(points, JAW_Y, jacobians), models, hand, load), JAW_Y
+
+
+def constraint_values(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Array:
+    """Return sigma_f, sigma_m, sigma_M of every contact, N, shape (3, n)."""
+    forces = models.forces(f)
+    square = (forces * forces).sum(axis=1) + 1e-24  # N^2
+    friction_norm = np.sqrt(square + (models.spins(f) * models.rows.inverse_radius) ** 2)
+    normal_force = (forces * normals).sum(axis=1)
+    return np.stack(
+        [
+            limits.alpha * friction_norm - normal_force,
+            limits.minimum - normal_force,
+            np.sqrt(square) - limits.maximum,
+        ]
+    )
 
 
 # ---- numbers of the paper

@@ -89,21 +89,6 @@ class Barrier:
     """dV/dn_i with f held, shape (n, 3)."""
 
 
-def constraint_values(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Array:
-    """Return sigma_f, sigma_m, sigma_M of every contact, N, shape (3, n)."""
-    forces = models.forces(f)
-    square = (forces * forces).sum(axis=1) + _TINY
-    friction_norm = np.sqrt(square + (models.spins(f) * models.rows.inverse_radius) ** 2)
-    normal_force = (forces * normals).sum(axis=1)
-    return np.stack(
-        [
-            limits.alpha * friction_norm - normal_force,
-            limits.minimum - normal_force,
-            np.sqrt(square) - limits.maximum,
-        ]
-    )
-
-
 def barrier(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Barrier:
     """Return V (A7) with its gradient in f and in the normals (n, 3)."""
     return Barrier(*_barrier(f, normals, models.rows, limits.constants))

@@ -42,18 +42,12 @@ class ContactModels:
         return cls(np.zeros(count), np.full(3 * count, 1.0 / stiffness))
 
     @cached_property
-    def soft(self) -> Indices:
-        """Indices of the soft fingers."""
-        return np.flatnonzero(self.torsion_radius > 0)
-
-    @cached_property
     def rows(self) -> Rows:
         """Where the parts of f are."""
         soft = self.torsion_radius > 0
         first = np.cumsum(3 + soft) - (3 + soft)
-        return Rows(
-            first, np.where(soft, first + 3, -1), np.where(soft, 1.0 / np.where(soft, self.torsion_radius, 1.0), 0.0)
-        )
+        inverse = np.divide(1.0, self.torsion_radius, out=np.zeros(len(soft)), where=soft)
+        return Rows(first, np.where(soft, first + 3, -1), inverse)
 
     def forces(self, f: Array) -> Array:
         """Return the force of every contact, shape (n, 3)."""

@@ -67,7 +67,7 @@ def alternative_section(session: Session, results: Results) -> list[Block]:
             "pair succeeds, which is then the best of the grid, or the time is over that the optimisation took on as "
             "many processes. Hand poses count by what the best of their arm postures came to. Two favours: the grid is "
             "one of opposite points, which only round objects have everywhere, and free means free of the meshes, "
-            "where the optimisation keeps convex hulls apart."
+            "where the optimisation keeps convex pieces apart."
         ),
         Table((*head, "best U", "time"), rows),
     ]
