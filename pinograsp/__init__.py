@@ -15,8 +15,8 @@ from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
-from .models import RobotModel
-from .planner import Progress, plan
+from .kinematics.robot import RobotModel
+from .planning import Progress, plan
 from .results import Contact, Cost, Grasp, Result, read_json, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure

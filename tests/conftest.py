@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import pinograsp
 from pinograsp.descriptions import RobotDescription, SceneDescription
 from pinograsp.descriptions.robot import CollisionDescription
-from pinograsp.models import RobotModel
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import TaskModel
 
 Array = NDArray[np.float64]

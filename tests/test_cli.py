@@ -250,15 +250,15 @@ CTRL_C_STARTS = 1000
 PLAN_WITH_A_SIGN = """
 import sys
 from pathlib import Path
-from pinograsp import cli, planner
+from pinograsp import cli
+from pinograsp.cli.progress_bar import ProgressBar
 
-def sign(attempts, total, real=planner._progress):
-    progress = real(attempts, total)
-    if progress.reliable:
+def sign(bar, progress, real=ProgressBar.__call__):
+    real(bar, progress)
+    if getattr(progress, "reliable", 0):
         Path("begun").touch()
-    return progress
 
-planner._progress = sign
+ProgressBar.__call__ = sign
 cli.main()
 """
 

@@ -16,15 +16,17 @@ import yaml
 from conftest import TOY_ROBOT, Array, alone, matrix, poses_of
 
 from pinograsp import InputError, RobotModel, load_robot
+from pinograsp.collision.distances import CollisionModel
 from pinograsp.database.identity import Identity
 from pinograsp.descriptions import SceneDescription, load_robot_description
 from pinograsp.descriptions.pose import Pose
 from pinograsp.descriptions.scene import Margins
 from pinograsp.descriptions.urdf import read_urdf
-from pinograsp.models import CollisionModel, Configuration, contact_kinematics, forward
-from pinograsp.models.batch import BatchKinematics
-from pinograsp.models.hand_posture import widest_jaw
-from pinograsp.models.robot import SLIDE, SLIP, TURN
+from pinograsp.kinematics.batch import BatchKinematics
+from pinograsp.kinematics.contacts import contact_kinematics
+from pinograsp.kinematics.forward import Configuration, forward
+from pinograsp.kinematics.hand_posture import widest_jaw
+from pinograsp.kinematics.robot import SLIDE, SLIP, TURN
 from pinograsp.results.provenance import provenance
 from pinograsp.verification import Verifier
 from pinograsp.verification.kinematics import Kinematics, parsed

@@ -129,9 +129,10 @@ def test_nothing_reached_is_a_picture_too(tmp_path):
 
 
 @pytest.mark.parametrize("write", [coverage_png, coverage_html])
-def test_a_folder_that_is_missing_is_an_error_of_input(write, tmp_path):
+def test_a_folder_that_cannot_be_made_is_an_error_of_input(write, tmp_path):
+    (tmp_path / "file").touch()
     with pytest.raises(InputError, match=r"a\.out: cannot be written: "):
-        write(made_up((2, 2, 2), 0.5), tmp_path / "missing" / "a.out", "title")
+        write(made_up((2, 2, 2), 0.5), tmp_path / "file" / "a.out", "title")
 
 
 def test_importing_the_visualization_leaves_matplotlib_alone():

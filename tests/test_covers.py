@@ -18,15 +18,19 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, cKDTree
 
 from benchmark_covers import excess
+from pinograsp.collision.batch_clearance import BatchClearance
+from pinograsp.collision.distances import CollisionModel
+from pinograsp.collision.solids import Solid, robot_solids, wholes
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins
 from pinograsp.errors import InputError
-from pinograsp.models import BatchClearance, CollisionModel, RobotModel, cover_cache, covers, forward
-from pinograsp.models.bodies import Solid, robot_solids, wholes
-from pinograsp.models.collision_elements import collision_elements
-from pinograsp.models.cover_cache import mesh_cover, read_triangles
-from pinograsp.models.covers import clip, cover
-from pinograsp.models.hulls import FlatError
+from pinograsp.geometry import cover_cache, covers
+from pinograsp.geometry.cover_cache import mesh_cover, read_triangles
+from pinograsp.geometry.covers import clip, cover
+from pinograsp.geometry.hulls import FlatError
+from pinograsp.kinematics.collision_elements import collision_elements
+from pinograsp.kinematics.forward import forward
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import TaskModel
 from pinograsp.verification import Verifier
 

@@ -17,13 +17,15 @@ import pytest
 
 import pinograsp
 from pinograsp.cli import main
+from pinograsp.collision.distances import CollisionModel
 from pinograsp.database import Cone, Coverage, Database, build_database, cached_database, region, spread_selection
 from pinograsp.database import cache as cache_module
 from pinograsp.database.lock import building
 from pinograsp.database.sampling import DRAWS
 from pinograsp.descriptions.scene import Enclosure, Margins
 from pinograsp.errors import InputError
-from pinograsp.models import CollisionModel, forward, hand_opening
+from pinograsp.kinematics.forward import forward
+from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.verification import Verifier
 
 SIZE = 9_000
@@ -134,7 +136,7 @@ def test_rejected_samples_do_collide(small: Path, gen3: Any, glovebox: Any) -> N
     robot = gen3.mounted(glovebox.mounting.matrix)
     model = CollisionModel(robot, glovebox, glovebox.task("sphere"))
     data, hand = robot.model.createData(), hand_opening(robot)
-    from pinograsp.models import BatchClearance
+    from pinograsp.collision.batch_clearance import BatchClearance
 
     low = np.maximum(robot.lower[:7], -np.pi)
     high = np.minimum(robot.upper[:7], np.pi)

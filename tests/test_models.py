@@ -15,24 +15,18 @@ from conftest import TOY_ROBOT, TOY_URDF, Array, RobotFactory, SceneFactory, ran
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+import pinograsp.collision.distances as collision
+from pinograsp.collision.batch_clearance import CAP, BatchClearance
+from pinograsp.collision.distances import REACH, CollisionModel
+from pinograsp.collision.solids import robot_solids
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins, Pose
 from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
-from pinograsp.models import (
-    BatchClearance,
-    CollisionModel,
-    Configuration,
-    RobotModel,
-    collision,
-    contact_kinematics,
-    forward,
-    jacobian_derivatives,
-    surface_of,
-)
-from pinograsp.models.batch import BatchKinematics
-from pinograsp.models.batch_clearance import CAP
-from pinograsp.models.bodies import robot_solids
-from pinograsp.models.collision import REACH
+from pinograsp.geometry.shapes import surface_of
+from pinograsp.kinematics.batch import BatchKinematics
+from pinograsp.kinematics.contacts import contact_kinematics, jacobian_derivatives
+from pinograsp.kinematics.forward import Configuration, forward
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import GraspProblem, TaskModel
 
 ROBOTS = ["gen3", "toy", "two_joint_toy", "paper"]

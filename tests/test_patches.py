@@ -16,12 +16,14 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
 from pinograsp import InputError, RobotModel, load_robot
+from pinograsp.collision.distances import CollisionModel
 from pinograsp.descriptions import SceneDescription, schema
 from pinograsp.descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch, SpherePatch
 from pinograsp.descriptions.urdf import read_urdf
-from pinograsp.models import CollisionModel, contact_kinematics, forward
-from pinograsp.models.patches import above, patch_point
-from pinograsp.models.robot import SLIDE, SLIP, TURN
+from pinograsp.geometry.patches import above, patch_point
+from pinograsp.kinematics.contacts import contact_kinematics
+from pinograsp.kinematics.forward import forward
+from pinograsp.kinematics.robot import SLIDE, SLIP, TURN
 from pinograsp.verification.contacts import Pads
 from pinograsp.verification.kinematics import Kinematics, parsed
 from pinograsp.verification.patches import nearest_on_patch

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from conftest import TOY_SCENE, Array, SceneFactory, agree, random_parameters
 
+from pinograsp.collision.batch_clearance import BatchClearance
+from pinograsp.collision.distances import REACH, SLACK
 from pinograsp.descriptions import SceneDescription
 from pinograsp.errors import InputError
-from pinograsp.models import BatchClearance, RobotModel
-from pinograsp.models.collision import REACH, SLACK
-from pinograsp.models.hand_posture import preshape, synergy_postures, widest_jaw
+from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import GraspProblem, State, TaskModel, check_task
 from pinograsp.problem.assembly import COST_SCALE, _saturated
 from pinograsp.problem.terms import (

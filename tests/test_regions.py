@@ -15,7 +15,11 @@ import pinograsp
 from pinograsp.descriptions.regions import Region
 from pinograsp.descriptions.shapes import Shape
 from pinograsp.errors import InputError
-from pinograsp.models import arm_reach, contact_kinematics, forward, membership, surface_of
+from pinograsp.geometry.regions import membership
+from pinograsp.geometry.shapes import surface_of
+from pinograsp.kinematics.contacts import contact_kinematics
+from pinograsp.kinematics.forward import forward
+from pinograsp.kinematics.reach import arm_reach
 from pinograsp.problem import GraspProblem, TaskModel, check_task
 from pinograsp.solve.projection import beginnings
 from pinograsp.verification import Claim, Verifier

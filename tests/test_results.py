@@ -190,11 +190,11 @@ def test_file_is_there_whole_or_not_at_all(result: Result, tmp_path: Path, monke
         write_json(unwritable, file)
 
     def full(self: Path, *_: object, **__: object) -> None:
-        self.write_bytes(b"{")
+        self.touch()
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(OSError, match="No space left"):
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match="cannot be written: no space left"):
         write_json(dataclasses.replace(result, starts=99), file)
     assert file.read_bytes() == before
 

@@ -10,10 +10,10 @@ import pytest
 from conftest import TOY_ROBOT, TOY_URDF, RobotFactory
 
 from pinograsp import RobotModel
+from pinograsp.collision.allowed_pairs import excused_links
+from pinograsp.collision.distances import CollisionModel
+from pinograsp.collision.solids import robot_solids
 from pinograsp.descriptions import RobotDescription, SceneDescription
-from pinograsp.models import CollisionModel
-from pinograsp.models.bodies import robot_solids
-from pinograsp.models.without_srdf import excused_links
 from pinograsp.verification import Verifier
 
 MARGIN = 0.005

@@ -19,13 +19,16 @@ import numpy as np
 
 import pinograsp
 from pinograsp.arrays import Array
+from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.database import cached_database
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.descriptions.scene import Margins
-from pinograsp.models import BatchClearance, RobotModel, forward, hand_opening
-from pinograsp.models.collision_elements import CollisionElement, collision_elements
-from pinograsp.models.cover_cache import mesh_cover, read_triangles
+from pinograsp.geometry.cover_cache import mesh_cover, read_triangles
+from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
+from pinograsp.kinematics.forward import forward
+from pinograsp.kinematics.hand_posture import hand_opening
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.onboarding.excess import excess
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near

@@ -22,8 +22,8 @@ import numpy as np
 import pinograsp
 from pinograsp.database import region, spread_selection
 from pinograsp.database.store import Database
-from pinograsp.models import hand_opening
-from pinograsp.pool import work
+from pinograsp.execution.pool import work
+from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.verification import Verifier
 
 

@@ -15,9 +15,9 @@ import numpy as np
 
 import pinograsp
 from benchmark_covers import SAMPLES, covered
-from pinograsp.models import RobotModel
-from pinograsp.models.collision_elements import CollisionElement, collision_elements
-from pinograsp.models.cover_cache import read_triangles
+from pinograsp.geometry.cover_cache import read_triangles
+from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
+from pinograsp.kinematics.robot import RobotModel
 from pinograsp.onboarding.excess import excess
 
 SCENES = {

@@ -12,8 +12,8 @@ from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
 from ..errors import InputError
-from ..models import RobotModel
-from ..planner import DEFAULT_STARTS, plan
+from ..kinematics.robot import RobotModel
+from ..planning import DEFAULT_STARTS, plan
 from ..results import Result, grasp_table, outcome_lines, write_json
 from ..solve import SolverOptions
 from ..solve.local import Algorithm

@@ -17,7 +17,7 @@ from ..database.sampling import Spread
 from ..descriptions import load_robot_description, load_scene
 from ..descriptions.scene import Margins
 from ..errors import InputError
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 from .progress_bar import ProgressBar
 
 app = typer.Typer(no_args_is_help=True, help="Build, inspect and query databases of collision-free configurations.")

@@ -7,7 +7,7 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from ..database import BuildProgress
-from ..planner import Progress
+from ..planning import Progress
 
 PREPARING = "preparing (longer the first time on a machine, and with a new robot)"
 

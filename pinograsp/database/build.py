@@ -22,8 +22,8 @@ from pathlib import Path
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..errors import InputError
-from ..models import RobotModel
-from ..pool import work
+from ..execution.pool import work
+from ..kinematics.robot import RobotModel
 from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler, Spread

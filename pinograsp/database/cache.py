@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..cache_folder import cache_folder
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
-from ..models import RobotModel
+from ..disk import cache_folder
+from ..kinematics.robot import RobotModel
 from .build import BuildProgress, build_database
 from .identity import Identity
 from .store import Database

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,9 @@ import numpy as np
 from ..descriptions import RobotDescription, SceneDescription
 from ..descriptions.robot import UrdfPart
 from ..descriptions.scene import Margins
-from ..models import RobotModel, hand_opening
+from ..disk import digest, digest_of
+from ..kinematics.hand_posture import hand_opening
+from ..kinematics.robot import RobotModel
 
 MEANING = {
     "robot": "URDF, SRDF, meshes and their convex pieces, arm joints with limits, hand posture and wrist link",
@@ -36,12 +37,12 @@ class Identity:
         """Return the identity of a database for this robot, the enclosure of this scene and these margins."""
         description = robot.description
         size = robot.arm_size
-        meshes = sorted({_digest(Path(mesh)) for mesh in robot.urdf.meshes})
+        meshes = sorted({digest_of(Path(mesh)) for mesh in robot.urdf.meshes})
         return cls(
             robot={
-                "files": {key: _digest(file) for key, file in description.files.items()},
+                "files": {key: digest_of(file) for key, file in description.files.items()},
                 "composition": _composition(description),
-                "meshes": hashlib.sha256("".join(meshes).encode()).hexdigest(),
+                "meshes": digest("".join(meshes).encode()),
                 "collision": description.collision.model_dump(mode="json"),
                 "joints": list(description.arm.joints),
                 "lower": robot.lower[:size].tolist(),
@@ -70,12 +71,12 @@ class Identity:
     @property
     def digest(self) -> str:
         """SHA-256 of the whole."""
-        return hashlib.sha256(self.to_json().encode()).hexdigest()
+        return digest(self.to_json().encode())
 
     def hash_of(self, part: str) -> str:
         """Return the first 12 digits of the SHA-256 of one part."""
         text = json.dumps(getattr(self, part), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:12]
+        return digest(text.encode())[:12]
 
     def differences(self, other: Identity) -> list[str]:
         """Say, part by part, how another identity differs: both hashes, their meaning and the keys that differ."""
@@ -102,7 +103,3 @@ def _composition(description: RobotDescription) -> list[dict[str, Any]]:
     parts: list[UrdfPart] = [description, *description.attach]
     fields = {"root", "leave_out", "to", "prefix", "position", "rpy"}
     return [part.model_dump(mode="json", include=fields) for part in parts]
-
-
-def _digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
+from ..collision.batch_clearance import BatchClearance
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
-from ..models import BatchClearance, RobotModel, hand_opening
+from ..kinematics.hand_posture import hand_opening
+from ..kinematics.robot import RobotModel
 
 Spread = Literal["joints", "wrist"]
 DRAWS = 65_536

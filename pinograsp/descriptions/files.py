@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, TypeVar
@@ -12,6 +11,7 @@ import yaml
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from ..disk import digest
 from ..errors import InputError, close_names
 
 
@@ -153,7 +153,7 @@ def read_file(file: Path, model: type[Root]) -> Root:
         if reserved in content:
             raise InputError("unknown key", file=file, line=lines.of[(reserved,)], key=reserved, remedy="Remove it")
     try:
-        return model.model_validate(content | {"source": file, "digest": hashlib.sha256(data).hexdigest()})
+        return model.model_validate(content | {"source": file, "digest": digest(data)})
     except ValidationError as error:
         raise _worst_problem(error, lines, file, model) from None
 

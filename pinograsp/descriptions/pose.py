@@ -6,8 +6,8 @@ import math
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .files import Frozen, Vector3
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
@@ -20,7 +20,7 @@ class Pose(Frozen):
     rpy: Vector3 = ZERO
 
     @cached_property
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Array:
         """Homogeneous transform of the frame in the other one, shape (4, 4)."""
         (cr, cp, cy), (sr, sp, sy) = (
             [math.cos(a) for a in self.rpy],

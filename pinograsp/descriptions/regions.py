@@ -1,7 +1,7 @@
 """Regions of an object's surface as they stand in a scene file: where contact is allowed or forbidden.
 
 All in the object's frame. A region is one of the shapes below or a combination of regions; the part of the surface
-inside it is meant. Membership is smooth for the optimiser (`pinograsp.models.regions`) and exact in the verification.
+inside it is meant. Membership is smooth for the optimiser (`pinograsp.geometry.regions`) and exact in the verification.
 """
 
 from __future__ import annotations

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from ..arrays import Array
 from ..errors import InputError, close_names
 from . import locate
 from .files import FileRoot, Format1, Frozen, Number, OrderedInterval, UnitVector3, Vector3, read_file, wrong
@@ -49,9 +49,9 @@ class Enclosure(Frozen):
         return self
 
     @cached_property
-    def walls(self) -> dict[str, tuple[NDArray[np.float64], float]]:
+    def walls(self) -> dict[str, tuple[Array, float]]:
         """Name to (inward normal n, offset d): the inside is n . p >= d."""
-        walls: dict[str, tuple[NDArray[np.float64], float]] = {}
+        walls: dict[str, tuple[Array, float]] = {}
         for axis, letter in enumerate("xyz"):
             inward = np.eye(3)[axis]
             walls[f"wall {letter}={self.min[axis]:g}"] = (inward, self.min[axis])
@@ -73,7 +73,7 @@ class ObjectDescription(Body):
     """In the object's frame."""
 
     @cached_property
-    def center_of_mass_world(self) -> NDArray[np.float64]:
+    def center_of_mass_world(self) -> Array:
         """Centre of mass in the world, shape (3,)."""
         T = self.pose.matrix
         return np.asarray(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3])
@@ -86,7 +86,7 @@ class Wrench(Frozen):
     torque: Vector3 = ZERO
 
     @cached_property
-    def vector(self) -> NDArray[np.float64]:
+    def vector(self) -> Array:
         """The wrench as (force, torque), shape (6,)."""
         return np.array([*self.force, *self.torque])
 

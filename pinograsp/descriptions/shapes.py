@@ -1,6 +1,6 @@
 """Shapes as they stand in a scene file: one class a shape, registered in `Shape`.
 
-The geometry of a shape is in `pinograsp.models.shapes`; the verification has its own.
+The geometry of a shape is in `pinograsp.geometry.shapes`; the verification has its own.
 """
 
 from __future__ import annotations

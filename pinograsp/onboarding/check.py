@@ -9,7 +9,7 @@ import numpy as np
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 from ..verification.kinematics import Kinematics, parsed
 from ..verification.meshes import read_meshes
 from .collisions import collision_findings

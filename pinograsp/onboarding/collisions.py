@@ -8,11 +8,12 @@ import coal
 import numpy as np
 
 from ..arrays import Array
+from ..collision.allowed_pairs import always_near, excused_links
+from ..collision.solids import Solid, distance_request, robot_solids, self_pairs
 from ..descriptions.scene import Margins
 from ..descriptions.urdf import RobotUrdf
-from ..models import RobotModel, forward
-from ..models.bodies import Solid, distance_request, robot_solids, self_pairs
-from ..models.without_srdf import always_near, excused_links
+from ..kinematics.forward import forward
+from ..kinematics.robot import RobotModel
 from ..verification.clearance import Placed, mesh_distance
 from ..verification.kinematics import Kinematics
 from ..verification.meshes import LinkMesh

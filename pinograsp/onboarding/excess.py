@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..models import RobotModel
-from ..models.collision_elements import collision_elements
-from ..models.cover_cache import mesh_cover, read_triangles
-from ..models.hulls import Hull, boundary
-from ..models.mesh_surface import MeshSurface
+from ..geometry.cover_cache import mesh_cover, read_triangles
+from ..geometry.hulls import Hull, boundary
+from ..geometry.mesh_surface import MeshSurface
+from ..kinematics.collision_elements import collision_elements
+from ..kinematics.robot import RobotModel
 
 SAMPLES = 1500
 

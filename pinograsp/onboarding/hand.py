@@ -9,7 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import Array
-from ..models import RobotModel, contact_kinematics, forward
+from ..kinematics.contacts import contact_kinematics
+from ..kinematics.forward import forward
+from ..kinematics.robot import RobotModel
 from .findings import Finding, in_words, number_of
 
 POSTURES = 400

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import RobotUrdf
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 from .findings import Finding, in_words, number_of
 
 WIDEST = {"revolute": 4 * math.pi, "prismatic": 10.0}

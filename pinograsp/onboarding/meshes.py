@@ -10,7 +10,7 @@ import trimesh
 
 from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 from ..verification.meshes import LinkMesh
 from .excess import link_covers
 from .findings import Finding, LinkFigures, in_words

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.robot import PadDescription
-from ..models import RobotModel
-from ..models.mesh_surface import MeshSurface
-from ..models.patches import patch_point
+from ..geometry.mesh_surface import MeshSurface
+from ..geometry.patches import patch_point
+from ..kinematics.robot import RobotModel
 from ..verification.meshes import LinkMesh
 from .findings import Finding
 

@@ -8,6 +8,7 @@ The active internal forces y belong to x as the minimiser of the nested problem 
 
 from .assembly import UNITS, Evaluation, GraspProblem
 from .checks import check_task
-from .state import State, TaskModel
+from .state import State
+from .task_model import TaskModel
 
 __all__ = ["UNITS", "Evaluation", "GraspProblem", "State", "TaskModel", "check_task"]

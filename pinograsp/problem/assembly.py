@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from .state import State, TaskModel
+from .state import State
+from .task_model import TaskModel
 from .terms import (
     Clearance,
     Residual,

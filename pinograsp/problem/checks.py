@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
-from ..models import widest_jaw
+from ..kinematics.hand_posture import widest_jaw
 from .regions import check_region
-from .state import TaskModel
+from .task_model import TaskModel
 
 TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""

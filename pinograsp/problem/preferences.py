@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..errors import InputError, close_names
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 
 TURN = 2.0 * math.pi
 

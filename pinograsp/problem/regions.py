@@ -6,8 +6,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
-from ..models import arm_reach, surface_of
-from .state import TaskModel
+from ..geometry.shapes import surface_of
+from ..kinematics.reach import arm_reach
+from .task_model import TaskModel
 
 POINTS = 4000
 """Points on the surface that are looked at."""

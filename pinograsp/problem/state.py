@@ -5,81 +5,19 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from ..arrays import Array
-from ..descriptions import SceneDescription, TaskDescription, robot_for
-from ..descriptions.robot import SoftFinger
+from ..collision.distances import Distances
+from ..kinematics.contacts import ContactKinematics, contact_kinematics, jacobian_derivatives
+from ..kinematics.forward import Configuration, forward
 from ..mechanics import (
     ContactDerivatives,
-    ContactModels,
     Contacts,
-    ForceLimits,
     ForceSolution,
-    Hand,
-    Load,
     Statics,
     grasp_statics,
     solve_forces,
 )
-from ..models import (
-    CollisionModel,
-    Configuration,
-    ContactKinematics,
-    Distances,
-    RobotModel,
-    contact_kinematics,
-    forward,
-    jacobian_derivatives,
-    membership,
-    surface_of,
-)
-from .preferences import approach_cone, posture_bounds
-
-
-class TaskModel:
-    """What stays the same over all points of a task: robot, geometry, load, limits."""
-
-    def __init__(self, robot: RobotModel, scene: SceneDescription, task_name: str) -> None:
-        self.scene, self.task_name = scene, task_name
-        self.task: TaskDescription = scene.task(task_name)
-        self.robot = RobotModel(robot_for(robot.description, scene, task_name), scene.mounting.matrix)
-        self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
-        self.collisions = CollisionModel(self.robot, scene, self.task)
-        target = scene.objects[self.task.object]
-        self.surface = surface_of(target.shape)
-        self.T_world_object = target.pose.matrix
-        desired = np.array(self.task.desired_contacts)
-        self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
-        region = self.task.contact_region
-        self.region = None if region is None else membership(region)
-        self.approach = approach_cone(self.task, self.T_world_object)
-        self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
-        stiffness = robot.description.stiffness
-        hand_size = len(self.robot.hand_joints)
-        self.hand = Hand(self.robot.synergies, np.full(hand_size, 1.0 / stiffness.joint))
-        self.contact_models = _contact_models(self.robot)
-        constants = self.task.contact
-        self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
-
-    def object_surface(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return signed distance, outward normal and Hessian at world points; shapes (n,), (n, 3), (n, 3, 3)."""
-        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
-        distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
-        return distances, normals @ R.T, R @ hessians @ R.T
-
-
-def _contact_models(robot: RobotModel) -> ContactModels:
-    stiffness = robot.description.stiffness.contact
-    radius: list[float] = []
-    compliance: list[float] = []
-    for pad in robot.description.pads:
-        soft = pad.contact if isinstance(pad.contact, SoftFinger) else None
-        radius.append(soft.torsion_radius if soft else 0.0)
-        compliance += 3 * [1.0 / stiffness]
-        if soft:
-            compliance.append(1.0 / soft.torsional_stiffness)
-    return ContactModels(np.array(radius), np.array(compliance))
+from .task_model import TaskModel
 
 
 class State:

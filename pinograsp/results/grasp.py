@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..verification.certificate import Certificate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

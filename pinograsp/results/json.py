@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..disk import write_whole
 from ..errors import InputError
 from ..verification.certificate import Certificate, Figure
 from .grasp import Blocked, Contact, Cost, Grasp, Result
@@ -24,10 +25,7 @@ FORMAT_VERSION = 1
 def write_json(result: Result, file: Path) -> None:
     """Write a result; the file is there whole or not at all."""
     text = json.dumps(_finite(_result(result)), indent=1, allow_nan=False)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(file.name + ".partial")
-    partial.write_text(text + "\n", encoding="utf-8")
-    partial.replace(file)
+    write_whole(file, text + "\n")
 
 
 def read_json(file: Path) -> Result:

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from ..arrays import Array
+from ..collision.hand_free import hand_free
 from ..database import Cone, Configurations, Database, spread_selection
-from ..models import hand_free, preshape
+from ..kinematics.hand_posture import preshape
 from ..problem import TaskModel
 
 SLACK = 0.6

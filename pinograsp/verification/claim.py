@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from ..arrays import Array
 
 
 @dataclass(frozen=True)
@@ -14,9 +13,9 @@ class Claim:
 
     joints: dict[str, float]
     """Angle (rad) or displacement (m) of every movable joint of the URDF, mimic joints included."""
-    points: NDArray[np.float64]
+    points: Array
     """Contact points in the world, m, shape (contacts, 3)."""
-    forces: NDArray[np.float64]
+    forces: Array
     """Forces on the object in the world, N, shape (contacts, 3)."""
-    spin_torques: NDArray[np.float64]
+    spin_torques: Array
     """Torques on the object about the pads' outward normals, N m, shape (contacts,); 0 for hard fingers."""

@@ -14,14 +14,13 @@ from typing import Any
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .certificate import Figure
 from .kinematics import Poses
 from .meshes import LinkMesh
 from .shapes import PENETRATION, PlacedShape
 
-Array = NDArray[np.float64]
 Walls = dict[str, tuple[Array, float]]
 LinkPair = tuple[LinkMesh, LinkMesh]
 ShapePair = tuple[LinkMesh, PlacedShape]

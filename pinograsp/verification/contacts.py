@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.regions import Region
 from ..descriptions.robot import PadDescription
 from .certificate import Figure
@@ -15,8 +15,6 @@ from .kinematics import Poses
 from .patches import nearest_on_patch
 from .regions import depth
 from .shapes import PENETRATION, PlacedShape
-
-Array = NDArray[np.float64]
 
 REGION_TOLERANCE = 1e-9
 """How far a contact may be outside its region, m."""

@@ -6,14 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.robot import PadDescription, SoftFinger
 from ..descriptions.scene import TaskDescription
 from .certificate import Figure
 from .claim import Claim
-
-Array = NDArray[np.float64]
 
 
 def balance_figures(

@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 import yourdfpy
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
 from ..errors import InputError
 
-Array = NDArray[np.float64]
 Poses = dict[str, Array]
 """Link name to T_world_link, shape (4, 4)."""
 

@@ -11,10 +11,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.robot import Composition
 from ..errors import InputError
-
-Array = NDArray[np.float64]
 
 _SECTIONS = 128
 

@@ -1,6 +1,6 @@
 """Where a point lies on a pad, judged from the point itself: distance to the patch and outward normal there.
 
-Written apart from `models.patches`, which goes the other way, from contact parameters to points.
+Written apart from `geometry.patches`, which goes the other way, from contact parameters to points.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.patches import CylinderPatch, LinePatch, PlanePatch, SpherePatch
 
-Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 
 

@@ -6,13 +6,11 @@ import math
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.scene import ApproachDescription
 from .certificate import Figure
 from .joints import Limits
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """rad (m for sliding joints)."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions import regions as described
-
-Array = NDArray[np.float64]
 
 
 def depth(region: described.Region, point: Array) -> float:

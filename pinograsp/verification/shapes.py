@@ -1,7 +1,7 @@
 """Geometry of the shapes that a scene file knows: one class a shape, registered in `GEOMETRY`.
 
 A class gives the shape in its own frame; `PlacedShape` puts it into the world. Independent of
-`pinograsp.models.shapes`.
+`pinograsp.geometry.shapes`.
 """
 
 from __future__ import annotations
@@ -12,12 +12,10 @@ from typing import Any, Protocol
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.scene import Body
 from ..descriptions.shapes import Box, Cylinder, Sphere
-
-Array = NDArray[np.float64]
 
 PENETRATION = 2e-5
 """How deep a link may stick in the object, m: 0.02 mm."""

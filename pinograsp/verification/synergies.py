@@ -1,6 +1,6 @@
 """The hand's synergies, seen from the joint angles: what they amount to, and whether the joints keep to them.
 
-Written apart from `models.robot`, which goes from synergies to joints.
+Written apart from `kinematics.robot`, which goes from synergies to joints.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions import RobotDescription
 from .certificate import Figure
 from .joints import Limits
 from .kinematics import Joint
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

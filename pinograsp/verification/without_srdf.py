@@ -1,7 +1,7 @@
 """What an SRDF would say of pairs of links, found on the original meshes where one is missing.
 
-Written apart from `models.without_srdf`, which looks at the optimiser's convex pieces: what a certificate need not show
-is decided by what it measures.
+Written apart from `collision.allowed_pairs`, which looks at the optimiser's convex pieces: what a certificate need not
+show is decided by what it measures.
 """
 
 from __future__ import annotations

@@ -10,12 +10,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..descriptions import RobotDescription, SceneDescription
+from ..disk import write_whole
 from ..results.grasp import Grasp
 from . import camera
 from .approach import draw_approach
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
-from .page import grasp_page, write_atomically
+from .page import grasp_page
 from .robot import draw_robot
 from .scene import draw_scene
 from .viewer import Recorder, Visualizer, live
@@ -90,4 +91,4 @@ def write_html(
     """
     recorder = Recorder()
     show(grasp, robot, scene, task_name, Visualizer(window=recorder))
-    write_atomically(file, grasp_page(recorder.commands, grasp, robot, scene, task_name, caption))
+    write_whole(file, grasp_page(recorder.commands, grasp, robot, scene, task_name, caption))

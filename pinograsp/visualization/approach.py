@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions.scene import ApproachDescription, ObjectDescription
 from . import colors
 from .symbols import Look, Piece, between, draw
@@ -25,7 +25,7 @@ def draw_approach(node: Visualizer, approach: ApproachDescription, target: Objec
     draw(node, piece, Look(colors.APPROACH, 0.2, colors.CONE_LAYER))
 
 
-def cone(apex: NDArray[np.float64], axis: NDArray[np.float64], angle: float) -> Piece:
+def cone(apex: Array, axis: Array, angle: float) -> Piece:
     """Return the part of a ball around `apex` that is within `angle` (rad, up to pi) of the unit vector `axis`."""
     polar = np.linspace(angle, 0.0, STEPS)
     outline = LENGTH * np.column_stack([np.sin(polar), np.cos(polar)])

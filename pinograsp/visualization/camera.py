@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..results.grasp import Grasp
 from .viewer import Visualizer
-
-Array = NDArray[np.float64]
 
 FIELD_OF_VIEW = 40.0
 """Vertical angle, degrees."""

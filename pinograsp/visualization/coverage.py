@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..database import Coverage
 from ..database.coverage import SECTORS
 from ..descriptions.scene import Enclosure
+from ..disk import write_whole
 from . import camera, colors
-from .page import legend, page, row, view_button, write_atomically
+from .page import legend, page, row, view_button
 from .scene import draw_enclosure
 from .symbols import Look, arrow, draw
 from .viewer import LayeredMesh, Recorder, Visualizer, geometry
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
 
-Array = NDArray[np.float64]
 
 SLICES = 5
 """Most heights at which the PNG cuts the box."""
@@ -91,7 +92,7 @@ def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
 
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
-    write_atomically(file, picture.getvalue())
+    write_whole(file, picture.getvalue())
 
 
 def coverage_html(coverage: Coverage, file: Path, title: str) -> None:
@@ -109,7 +110,7 @@ def coverage_html(coverage: Coverage, file: Path, title: str) -> None:
     """
     recorder = Recorder()
     view = draw_coverage(Visualizer(window=recorder), coverage)
-    write_atomically(file, page(title, _panel(coverage, title), recorder.commands, view))
+    write_whole(file, page(title, _panel(coverage, title), recorder.commands, view))
 
 
 def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camera.View]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..results.grasp import Contact, Grasp
 from . import colors
@@ -29,7 +29,7 @@ def draw_forces(viewer: Visualizer, grasp: Grasp, scene: SceneDescription, task:
     draw_arrow(viewer["wrench"], center, center + scale * weight, colors.WRENCH)
 
 
-def arrow_scale(forces: list[NDArray[np.float64]]) -> float:
+def arrow_scale(forces: list[Array]) -> float:
     """Return the m per N at which the greatest of the forces, shapes (3,), is `LONGEST_ARROW` long."""
     greatest = max(float(np.linalg.norm(force)) for force in forces)
     return LONGEST_ARROW / greatest if greatest > 0 else 0.0
@@ -48,7 +48,7 @@ def draw_contact(node: Visualizer, contact: Contact, mu: float, scale: float) ->
     draw_arrow(node["force"], contact.point - scale * contact.force, contact.point, colors.FORCE)
 
 
-def draw_arrow(node: Visualizer, tail: NDArray[np.float64], tip: NDArray[np.float64], color: int) -> None:
+def draw_arrow(node: Visualizer, tail: Array, tip: Array, color: int) -> None:
     """Draw an arrow from `tail` to `tip`, shapes (3,), unless it is shorter than 1 mm."""
     if np.linalg.norm(tip - tail) < 1e-3:
         return

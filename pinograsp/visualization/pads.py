@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.patches import LinePatch, Patch
-from ..models.patches import patch_point
+from ..geometry.patches import patch_point
 from . import colors
 from .symbols import Look, arrow, draw
 from .viewer import Visualizer, geometry

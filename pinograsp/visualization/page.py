@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import base64
-import contextlib
 import gzip
 import json
 import math
-import os
 import struct
 from html import escape
 from pathlib import Path
@@ -18,7 +16,6 @@ import numpy as np
 import umsgpack  # type: ignore[import-untyped]
 
 from ..descriptions import RobotDescription, SceneDescription
-from ..errors import InputError
 from ..results.grasp import Contact, Grasp
 from ..verification.certificate import Certificate, Figure
 from . import colors
@@ -100,24 +97,6 @@ def packed(commands: list[dict[str, Any]]) -> str:
     messages = [umsgpack.packb(command) for command in commands]
     stream = b"".join(struct.pack("<I", len(message)) + message for message in messages)
     return base64.b64encode(gzip.compress(stream, compresslevel=6, mtime=0)).decode("ascii")
-
-
-def write_atomically(file: Path, content: str | bytes) -> None:
-    """Write a file, text as UTF-8, so that a reader finds the old one or the whole new one.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    partial = file.with_name(f".{file.name}.{os.getpid()}.part")
-    try:
-        partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
-        partial.replace(file)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None
-    finally:
-        with contextlib.suppress(OSError):
-            partial.unlink()
 
 
 def _view(view: View, origin: View) -> dict[str, list[float]]:

@@ -7,17 +7,15 @@ import warnings
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from .viewer import Visualizer
 
 
-def draw_robot(
-    viewer: Visualizer, robot: RobotDescription, joints: dict[str, float], mounting: NDArray[np.float64]
-) -> None:
+def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: dict[str, float], mounting: Array) -> None:
     """Draw the robot below the node `robot`.
 
     Args:
@@ -37,8 +35,8 @@ def draw_urdf(
     xml: str,
     robot: RobotDescription,
     joints: dict[str, float],
-    mounting: NDArray[np.float64],
-) -> dict[str, tuple[str, NDArray[np.float64]]]:
+    mounting: Array,
+) -> dict[str, tuple[str, Array]]:
     """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
 
     Arguments and errors as for `draw_robot`.
@@ -75,7 +73,7 @@ def draw_urdf(
     }
 
 
-def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescription) -> NDArray[np.float64]:
+def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescription) -> Array:
     """Return Pinocchio's configuration, shape (nq,): (cos, sin) for a continuous joint, else the value.
 
     Raises:

@@ -12,10 +12,12 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
-from ..models import RobotModel, forward
+from ..disk import write_whole
+from ..kinematics.forward import forward
+from ..kinematics.robot import RobotModel
 from . import camera, colors
 from .pads import draw_pad
-from .page import legend, page, view_button, write_atomically
+from .page import legend, page, view_button
 from .robot import draw_urdf
 from .sliders import Nodes, sliders
 from .symbols import Look, arrow, draw
@@ -64,7 +66,7 @@ def write_robot_html(robot: RobotModel, remarks: Sequence[Remark], file: Path) -
         legend(colors.PAD_LEGEND),
         _remarks(remarks),
     )
-    write_atomically(file, page(robot.description.name, "\n".join(panel), recorder.commands, views))
+    write_whole(file, page(robot.description.name, "\n".join(panel), recorder.commands, views))
 
 
 def _draw(world: Visualizer, robot: RobotModel, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:

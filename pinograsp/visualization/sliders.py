@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from ..models import RobotModel
+from ..kinematics.robot import RobotModel
 
 Nodes = dict[str, tuple[int, Array]]
 """What moves: path in meshcat's tree to joint of the model and pose in its frame (may scale), shape (4, 4)."""

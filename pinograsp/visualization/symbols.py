@@ -11,11 +11,9 @@ from itertools import combinations, product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .viewer import LayeredMesh, Visualizer, geometry
-
-Array = NDArray[np.float64]
 
 HEAD_LENGTH = 6.0
 """Length of an arrow's head in radii of its shaft."""

@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 import pinograsp
-from pinograsp.pool import work
+from pinograsp.execution.pool import work
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.results import claim_of, grasp_of
 from pinograsp.verification import Verifier

@@ -15,7 +15,7 @@ import numpy as np
 import pinograsp
 from pinograsp.database import cached_database
 from pinograsp.descriptions import SceneDescription
-from pinograsp.pool import work
+from pinograsp.execution.pool import work
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.results import claim_of, grasp_of
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near

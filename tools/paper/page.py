@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from pinograsp.disk import write_whole
+
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1c2430; max-width: 1180px; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.3rem; margin-top: 2.4rem; border-bottom: 1px solid #d5dbe2; }
@@ -75,9 +77,7 @@ def write_page(folder: Path, name: str, title: str, blocks: Sequence[Block]) -> 
         + "\n</body></html>\n",
     )
     for file, text in zip(files, texts, strict=True):
-        partial = file.with_name(file.name + ".partial")
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(file)
+        write_whole(file, text)
     return files
 
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import pinograsp
 from pinograsp.descriptions import SceneDescription
+from pinograsp.disk import write_whole
 from pinograsp.results import provenance
 
 Key = dict[str, Any]
@@ -85,10 +86,7 @@ class Store:
                 self.used[name] = content["made"]
                 return content["data"]
         data = compute()
-        partial = file.with_name(file.name + ".partial")
-        file.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(json.dumps({"key": key, "made": self._made, "data": data}) + "\n", encoding="utf-8")
-        partial.replace(file)
+        write_whole(file, json.dumps({"key": key, "made": self._made, "data": data}) + "\n")
         self.used[name] = self._made
         return data
 

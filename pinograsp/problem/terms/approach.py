@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from ...models import approach_direction
+from ...kinematics.wrist import approach_direction
 from ..state import State
 from .residual import Residual
 

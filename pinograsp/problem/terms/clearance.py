@@ -16,9 +16,10 @@ import math
 import numpy as np
 
 from ...arrays import Array, Indices
+from ...collision.distances import REACH, Pair
 from ...compiled import compiled
-from ...models.collision import REACH, Pair
-from ..state import State, TaskModel
+from ..state import State
+from ..task_model import TaskModel
 from .residual import Residual
 
 NEAR = 0.015

@@ -14,9 +14,7 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import Mimic, mimics_of, read_urdf
 from ..errors import InputError, close_names
@@ -41,7 +39,7 @@ class PreparedUrdf:
     """Whether every file has an SRDF; else it is not known of all pairs whether they may touch."""
 
 
-def prepare(description: RobotDescription, T_world_root: NDArray[np.float64]) -> PreparedUrdf:
+def prepare(description: RobotDescription, T_world_root: Array) -> PreparedUrdf:
     """Read, compose, check and mount the URDF of a robot.
 
     Args:
@@ -81,7 +79,7 @@ def _bound(joint: ET.Element) -> None:
     limit.set("upper", repr(2 * math.pi))
 
 
-def _mount(root: ET.Element, base: str, T: NDArray[np.float64]) -> None:
+def _mount(root: ET.Element, base: str, T: Array) -> None:
     R = T[:3, :3]
     pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
     if math.hypot(R[0, 0], R[1, 0]) > 1e-9:

@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from ..arrays import Array, Indices
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
-from .batch import WORLD, BatchKinematics, GroupFrames
-from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wholes
-from .robot import RobotModel
-from .without_srdf import excused_links
+from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
+from ..kinematics.robot import RobotModel
+from .allowed_pairs import excused_links
+from .solids import Solid, body_solid, distance_request, robot_solids, self_pairs, wholes
 
 CAP = 0.05
 """Distances from here on are not told apart (unless a margin is larger), m."""

@@ -14,18 +14,18 @@ from typing import get_args
 
 import numpy as np
 
-from .arrays import Array
-from .database import BuildProgress, Database, Identity, cached_database
-from .descriptions import SceneDescription
-from .descriptions.scene import Margins
-from .errors import InputError
-from .models import RobotModel
-from .pool import work
-from .problem import UNITS, GraspProblem, TaskModel, check_task
-from .results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
-from .solve import LocalSolver, Solution, SolverOptions, starts_near
-from .solve.local import Outcome
-from .verification import Certificate, Verifier
+from ..arrays import Array
+from ..database import BuildProgress, Database, Identity, cached_database
+from ..descriptions import SceneDescription
+from ..descriptions.scene import Margins
+from ..errors import InputError
+from ..execution.pool import work
+from ..kinematics.robot import RobotModel
+from ..problem import UNITS, GraspProblem, TaskModel, check_task
+from ..results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
+from ..solve import LocalSolver, Solution, SolverOptions, starts_near
+from ..solve.local import Outcome
+from ..verification import Certificate, Verifier
 
 DEFAULT_STARTS = 1304
 """The paper's number of starts."""

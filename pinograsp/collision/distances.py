@@ -25,11 +25,11 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..compiled import compiled
 from ..descriptions import SceneDescription, TaskDescription
-from .bodies import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
-from .kinematics import Configuration
-from .patches import above
-from .robot import RobotModel
-from .without_srdf import excused_links
+from ..geometry.patches import above
+from ..kinematics.forward import Configuration
+from ..kinematics.robot import RobotModel
+from .allowed_pairs import excused_links
+from .solids import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
 
 Kind = Literal["enclosure", "object", "self"]
 REACH = 0.03
@@ -107,6 +107,10 @@ class CollisionModel:
         self._poses = [coal.Transform3s() for _ in self._solids]
         self._result = coal.DistanceResult()
         self._queries = [self._query(pair) for pair in self.pairs]
+
+    def joint(self, solid: int) -> int:
+        """Return the joint that carries a solid."""
+        return int(self._joints[solid])
 
     def _query(self, pair: Pair) -> Callable[[], float]:
         """Return what measures a pair at the poses of its solids into the result."""

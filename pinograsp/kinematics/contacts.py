@@ -1,4 +1,4 @@
-"""Poses, contact points and their derivatives.
+"""Contact points of the pads and their derivatives.
 
 World spatial Jacobian columns (v_k, omega_k) of joint k give a point r fixed to a link that k moves the
 velocity L_k = v_k + omega_k x r. For joints j, k that both move the link, k nearer to the root than j or j itself,
@@ -9,30 +9,14 @@ velocity L_k = v_k + omega_k x r. For joints j, k that both move the link, k nea
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from ..arrays import Array, Indices
 from ..compiled import compiled
-from .patches import patch_point
+from ..geometry.patches import patch_point
+from .forward import Configuration
 from .robot import PadFrames, RobotModel
-
-
-@dataclass(frozen=True)
-class Configuration:
-    """A posture whose kinematics have been computed."""
-
-    robot: RobotModel
-    posture: Array
-    """(q_a, sigma), shape (l + s,)."""
-    rotations: Array
-    """Of every joint frame in the world (index 0: the world itself), shape (njoints, 3, 3)."""
-    translations: Array
-    """m, shape (njoints, 3)."""
-    jacobian: Array
-    """World spatial Jacobian columns of all joints (linear at the world's origin, angular), shape (6, nv)."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +37,6 @@ class ContactKinematics:
     """Velocity of the contact points per rate of every joint, shape (n, 3, nv)."""
     angular: Array
     """Angular velocity of the pads per rate of every joint, shape (n, 3, nv)."""
-
-
-def forward(robot: RobotModel, data: Any, posture: Array) -> Configuration:
-    """Compute poses and joint Jacobians.
-
-    Args:
-        robot: the mounted robot.
-        data: a Pinocchio Data of its model, used as scratch space.
-        posture: (q_a, sigma), rad (m), shape (l + s,).
-    """
-    pin.computeJointJacobians(robot.model, data, robot.joint_positions(posture))
-    poses = np.array([M.homogeneous for M in data.oMi])
-    return Configuration(robot, posture, poses[:, :3, :3], poses[:, :3, 3], data.J.copy())
 
 
 def contact_kinematics(configuration: Configuration, parameters: Array) -> ContactKinematics:

@@ -14,9 +14,7 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..descriptions.patches import LinePatch, PlanePatch
-from .collision import CollisionModel
-from .kinematics import forward
-from .patches import patch_point
+from ..geometry.patches import patch_point
 from .robot import RobotModel
 
 GRID = 17
@@ -66,20 +64,6 @@ def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array, fr
     return _best(robot, lambda pads: _misfit(pads, desired_points, inward_normals), free)
 
 
-def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
-    """Return the function that says whether the hand keeps its links off each other, given synergies."""
-    in_hand = np.array([pair.kind == "self" and _in_hand(robot, pair.link, pair.other) for pair in collisions.pairs])
-    margins = np.array([pair.margin for pair in collisions.pairs])
-    data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
-
-    def free(sigma: Array) -> bool:
-        posture[robot.arm_size :] = sigma
-        found = collisions.distances(forward(robot, data, posture))
-        return not (in_hand[found.indices] & (found.values < margins[found.indices])).any()
-
-    return free
-
-
 def hand_opening(robot: RobotModel) -> Array:
     """Return the synergies that hold the pads farthest apart, shape (s,)."""
     return _best(robot, lambda pads: -float(_distances(pads.points).sum()))
@@ -120,13 +104,6 @@ def _ranges(robot: RobotModel) -> tuple[Array, Array, list[int]]:
     still = ~moves.any(axis=0)
     lower[still] = upper[still] = np.clip(0.0, lower[still], upper[still])
     return lower, upper, np.flatnonzero(~still).tolist()
-
-
-def _in_hand(robot: RobotModel, first: str, second: str) -> bool:
-    """Whether nothing but the hand's joints moves two links against each other."""
-    joints = [robot.model.frames[robot.model.getFrameId(link, pin.BODY)].parentJoint for link in (first, second)]
-    relative = np.flatnonzero(robot.supports[joints[0]] != robot.supports[joints[1]])
-    return bool(np.isin(relative, robot.hand_joints).all())
 
 
 def _allowed(robot: RobotModel, sigma: Array) -> bool:

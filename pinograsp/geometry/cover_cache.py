@@ -6,8 +6,8 @@ even parsed. A damaged file of the cache is computed again, and a folder that ca
 
 from __future__ import annotations
 
-import hashlib
-import tempfile
+import contextlib
+import io
 import zlib
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +17,7 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..cache_folder import cache_folder
+from ..disk import cache_folder, digest, write_whole
 from ..errors import InputError
 from .covers import VERSION, cover
 from .hulls import FlatError
@@ -43,7 +43,7 @@ def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: flo
     except OSError as error:
         raise _unreadable(mesh, error) from None
     settings = f"{VERSION} {mesh.suffix.lower()} {scale} {pieces} {tolerance}"
-    key = hashlib.sha256(content + settings.encode()).hexdigest()
+    key = digest(content + settings.encode())
     return _cached(key, mesh, scale, pieces, tolerance)
 
 
@@ -88,11 +88,7 @@ def _load(file: Path) -> Pieces | None:
 
 def _save(file: Path, pieces: Pieces) -> None:
     """Write the whole file, or nothing where that is not possible."""
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=file.parent) as folder:
-            unfinished = Path(folder) / file.name
-            np.savez(unfinished, vertices=np.concatenate(pieces), ends=np.cumsum([len(piece) for piece in pieces]))
-            unfinished.replace(file)
-    except OSError:
-        return
+    stream = io.BytesIO()
+    np.savez(stream, vertices=np.concatenate(pieces), ends=np.cumsum([len(piece) for piece in pieces]))
+    with contextlib.suppress(InputError):
+        write_whole(file, stream.getvalue())

@@ -15,10 +15,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.scene import Body, Enclosure
-from .collision_elements import CollisionElement, collision_elements
-from .cover_cache import mesh_cover
-from .robot import RobotModel
-from .shapes import surface_of
+from ..geometry.cover_cache import mesh_cover
+from ..geometry.shapes import surface_of
+from ..kinematics.collision_elements import CollisionElement, collision_elements
+from ..kinematics.robot import RobotModel
 
 
 @dataclass(frozen=True)

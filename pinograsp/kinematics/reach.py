@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from .patches import patch_point
+from ..geometry.patches import patch_point
 from .robot import Pad, RobotModel
 
 

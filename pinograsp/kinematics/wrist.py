@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..arrays import Array, skew
-from .kinematics import Configuration
+from .forward import Configuration
 
 
 def approach_direction(configuration: Configuration) -> tuple[Array, Array]:

@@ -25,8 +25,8 @@ from ..descriptions.patches import Patch
 from ..descriptions.robot import PadDescription
 from ..descriptions.urdf import Mimic
 from ..errors import InputError
+from ..geometry.patches import patch_point
 from . import urdf
-from .patches import patch_point
 
 TURN, SLIDE, SLIP = 1.0, 0.1, 0.02
 """Comparable steps of a turning joint, rad, a sliding joint, m, and a contact on its pad, m."""
@@ -124,6 +124,11 @@ class RobotModel:
         """Whether a joint is a continuous arm joint without limits in the robot file: whole turns do not count."""
         arm = self.description.arm
         return joint in arm.joints and self.urdf.movable[joint] == "continuous" and joint not in arm.limits
+
+    def moved_by_hand(self, first: int, second: int) -> bool:
+        """Whether nothing but the hand's joints moves what two joints carry against each other."""
+        relative = np.flatnonzero(self.supports[first] != self.supports[second])
+        return bool(np.isin(relative, self.hand_joints).all())
 
     def wrapped(self, posture: Array) -> Array:
         """Return the posture with continuous arm joints wrapped to (-pi, pi]."""

@@ -18,8 +18,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from .bodies import Solid, distance_request, self_pairs
-from .robot import RobotModel
+from ..kinematics.robot import RobotModel
+from .solids import Solid, distance_request, self_pairs
 
 POSTURES = 500
 """Random postures tried: two links that one posture in a hundred holds apart look inseparable with 0.7 % chance."""
@@ -47,7 +47,11 @@ def excused_links(robot: RobotModel, solids: list[Solid], margin: float) -> froz
         if parents[first] == second or parents[second] == first:
             found.add(_links(solids[a], solids[b]))
     found |= always_near(robot, solids, self_pairs(robot, solids, frozenset(found)), margin)
-    in_hand = [pair for pair in self_pairs(robot, solids, frozenset(found)) if _moved_by_hand(robot, solids, *pair)]
+    in_hand = [
+        pair
+        for pair in self_pairs(robot, solids, frozenset(found))
+        if robot.moved_by_hand(solids[pair[0]].joint, solids[pair[1]].joint)
+    ]
     return frozenset(found | _never_touching(robot, solids, in_hand))
 
 
@@ -109,12 +113,6 @@ def _nearer(first: Solid, second: Solid, poses: list[Array], margin: float, requ
     Ta, Tb = Ta @ first.placement, Tb @ second.placement
     at = coal.Transform3s(Ta[:3, :3], Ta[:3, 3]), coal.Transform3s(Tb[:3, :3], Tb[:3, 3])
     return bool(coal.distance(first.shape, at[0], second.shape, at[1], request, coal.DistanceResult()) < margin)
-
-
-def _moved_by_hand(robot: RobotModel, solids: list[Solid], first: int, second: int) -> bool:
-    """Whether nothing but the hand's joints moves two solids against each other."""
-    relative = np.flatnonzero(robot.supports[solids[first].joint] != robot.supports[solids[second].joint])
-    return bool(np.isin(relative, robot.hand_joints).all())
 
 
 def _links(first: Solid, second: Solid) -> LinkPair:

@@ -1,0 +1,30 @@
+"""Whether the hand keeps its links off each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..kinematics.forward import forward
+from ..kinematics.hand_posture import Allowed
+from ..kinematics.robot import RobotModel
+from .distances import CollisionModel
+
+
+def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
+    """Return the function that says whether the hand keeps its links off each other, given synergies."""
+    in_hand = np.array(
+        [
+            pair.kind == "self" and robot.moved_by_hand(collisions.joint(pair.first), collisions.joint(pair.second))
+            for pair in collisions.pairs
+        ]
+    )
+    margins = np.array([pair.margin for pair in collisions.pairs])
+    data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
+
+    def free(sigma: Array) -> bool:
+        posture[robot.arm_size :] = sigma
+        found = collisions.distances(forward(robot, data, posture))
+        return not (in_hand[found.indices] & (found.values < margins[found.indices])).any()
+
+    return free

@@ -1,0 +1,1 @@
+"""Geometry without robots: surfaces of shapes, patches, regions, hulls, convex covers of meshes."""
