@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -15,6 +16,10 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 import pinograsp
+from pinograsp.collision.distances import CollisionModel
+from pinograsp.collision.scene_world import task_world
+from pinograsp.collision.solids import link_bodies
+from pinograsp.collision.world import Body, Solid
 from pinograsp.descriptions import RobotDescription, SceneDescription
 from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.kinematics.robot import RobotModel
@@ -50,6 +55,42 @@ def gen3_hulls(gen3: RobotModel) -> RobotModel:
 def paper() -> RobotModel:
     """The arm with the hand of the paper: composed of two URDFs, one contact parameter a finger."""
     return pinograsp.load_robot("gen3_2f85_paper")
+
+
+class PlacedSolid(NamedTuple):
+    """A solid in the frame of its joint."""
+
+    name: str
+    joint: int
+    placement: Array
+    shape: Any
+    center: Array
+    radius: float
+
+
+def link_solids(robot: RobotModel) -> list[PlacedSolid]:
+    """Return the solids of all links in the frames of their joints."""
+    return [placed(body, solid) for body in link_bodies(robot) for solid in body.solids]
+
+
+def placed(body: Body, solid: Solid) -> PlacedSolid:
+    """Return a solid of a body in the frame of the body's joint."""
+    center = body.pose[:3, :3] @ solid.center + body.pose[:3, 3]
+    return PlacedSolid(body.name, body.joint, body.pose @ solid.placement, solid.shape, center, solid.radius)
+
+
+def collision_model(robot: RobotModel, scene: SceneDescription, task: str) -> CollisionModel:
+    """Return the collision model of a mounted robot at a task."""
+    return CollisionModel(robot, task_world(robot, scene, scene.task(task)))
+
+
+def solids_of(model: CollisionModel) -> list[PlacedSolid]:
+    """Return the solids of a collision model; only walls have an infinite radius."""
+    parts = zip(model.joints.tolist(), model.placements, model.shapes, strict=True)
+    return [
+        PlacedSolid("", joint, placement, shape, np.zeros(3), math.inf if isinstance(shape, coal.Halfspace) else 0.0)
+        for joint, placement, shape in parts
+    ]
 
 
 def with_patches(robot: RobotModel, *patches: dict[str, Any]) -> RobotModel:

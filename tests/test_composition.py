@@ -13,10 +13,9 @@ import pinocchio as pin
 import pytest
 import trimesh
 import yaml
-from conftest import TOY_ROBOT, Array, alone, matrix, poses_of
+from conftest import TOY_ROBOT, Array, alone, collision_model, matrix, poses_of
 
 from pinograsp import InputError, RobotModel, load_robot
-from pinograsp.collision.distances import CollisionModel
 from pinograsp.database.identity import Identity
 from pinograsp.descriptions import SceneDescription, load_robot_description
 from pinograsp.descriptions.pose import Pose
@@ -589,7 +588,7 @@ def test_faces_of_the_paper_hand_carry_the_contact_lines(paper: RobotModel, glov
         np.testing.assert_allclose([low[0], high[0]], pad.patch.u, atol=1e-9)
         np.testing.assert_allclose(low[1], -high[1], atol=1e-9)
         assert high[2] == pytest.approx(0.0, abs=1e-9)
-    pairs = CollisionModel(paper, glovebox, glovebox.task("sphere")).pairs
-    against_object = {pair.link for pair in pairs if pair.kind == "object"}
+    pairs = collision_model(paper, glovebox, "sphere").pairs
+    against_object = {pair.link for pair in pairs if pair.kind == "object clearance"}
     assert "left_proximal" in against_object
     assert not against_object & {pad.link for pad in paper.description.pads}

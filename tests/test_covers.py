@@ -12,7 +12,17 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
-from conftest import TOY_URDF, Array, RobotFactory, SceneFactory
+from conftest import (
+    TOY_URDF,
+    Array,
+    PlacedSolid,
+    RobotFactory,
+    SceneFactory,
+    collision_model,
+    link_solids,
+    placed,
+    solids_of,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, cKDTree
@@ -20,7 +30,8 @@ from scipy.spatial import ConvexHull, cKDTree
 from benchmark_covers import excess
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.distances import CollisionModel
-from pinograsp.collision.solids import Solid, robot_solids, wholes
+from pinograsp.collision.scene_world import enclosure_world
+from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins
 from pinograsp.errors import InputError
@@ -79,14 +90,14 @@ def meshes(gen3: RobotModel, glovebox: SceneDescription) -> Meshes:
 @pytest.fixture(scope="module")
 def pieces(gen3: RobotModel) -> dict[str, list[Array]]:
     """Vertices of the pieces as Coal has them, link frame, by link."""
-    found = by_link(robot_solids(gen3))
+    found = by_link(link_solids(gen3))
     for link, all_points in found.items():
         place = gen3.model.frames[gen3.model.getFrameId(link, pin.BODY)].placement
         found[link] = [(points - place.translation) @ place.rotation for points in all_points]
     return found
 
 
-def by_link(solids: Sequence[Solid]) -> dict[str, list[Array]]:
+def by_link(solids: Sequence[PlacedSolid]) -> dict[str, list[Array]]:
     """Return the vertices of solids in their joint's frame, by link."""
     found: dict[str, list[Array]] = {}
     for solid in solids:
@@ -144,7 +155,7 @@ def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
         center = frame.placement.act(meshes[link][1].reshape(-1, 3).mean(axis=0))
         away = rng.normal(size=3)
         scene = with_object_at(glovebox, R @ center + p + 0.1 * away / np.linalg.norm(away))
-        models = [CollisionModel(robot, scene, scene.task("sphere")) for robot in (gen3_hulls, gen3)]
+        models = [collision_model(robot, scene, "sphere") for robot in (gen3_hulls, gen3)]
         of_hulls, of_pieces = (least_by_links(model, at) for model in models)
         assert of_hulls.keys() == of_pieces.keys()
         for (one, other), distance in of_pieces.items():
@@ -167,7 +178,7 @@ def with_object_at(scene: SceneDescription, position: Array) -> SceneDescription
 
 def least_by_links(model: CollisionModel, at: Any) -> dict[tuple[str, str], float]:
     """Return the least distance of every two links, and of links and the object."""
-    indices = np.array([i for i, pair in enumerate(model.pairs) if pair.kind != "enclosure"])
+    indices = np.array([i for i, pair in enumerate(model.pairs) if pair.kind != "enclosure clearance"])
     values, _, _ = model.measure(indices, at)
     least: dict[tuple[str, str], float] = {}
     for index, value in zip(indices, values.tolist(), strict=True):
@@ -182,7 +193,7 @@ def mesh_distance(collisions: CollisionModel, at: Any, meshes: Meshes, link: str
 
     def placed(name: str) -> tuple[Any, Any]:
         if name not in meshes:
-            target = collisions._solids[-1]
+            target = solids_of(collisions)[-1]
             return target.shape, coal.Transform3s(target.placement[:3, :3], target.placement[:3, 3])
         frame = model.frames[model.getFrameId(name, pin.BODY)]
         R, p = at.rotations[frame.parentJoint], at.translations[frame.parentJoint]
@@ -198,27 +209,25 @@ def test_walls_see_the_nearest_piece(sphere_task: TaskModel) -> None:
     at = forward(robot, robot.model.createData(), 0.3 * robot.lower + 0.7 * robot.upper)
     indices = np.array([i for i, pair in enumerate(model.pairs) if pair.other.startswith("wall")])
     values, _, _ = model.measure(indices, at)
-    solids = robot_solids(robot)
+    solids = link_solids(robot)
     joints = {solid.name: solid.joint for solid in solids}
     vertices = {link: np.concatenate(points) for link, points in by_link(solids).items()}
     assert len(indices) == 6 * 16
     for index, value in zip(indices, values, strict=True):
-        pair, wall = model.pairs[index], model._solids[model.pairs[index].second].shape
+        pair, wall = model.pairs[index], model.shapes[model.pairs[index].second]
         joint = joints[pair.link]
         points = vertices[pair.link] @ at.rotations[joint].T + at.translations[joint]
         assert (points @ np.array(wall.n)).min() - wall.d == pytest.approx(value, abs=1e-9)
 
 
 def test_wholes_are_hulls_of_the_pieces_of_a_link(gen3: RobotModel, gen3_hulls: RobotModel, toy: RobotModel) -> None:
-    solids, hulls = robot_solids(gen3), by_link(robot_solids(gen3_hulls))
-    found = wholes(solids)
-    assert [whole.solid.name for whole in found] == list(dict.fromkeys(solid.name for solid in solids))
-    assert [piece for whole in found for piece in whole.pieces] == list(range(len(solids)))
-    for whole in found:
-        [[corners]] = by_link([whole.solid]).values()
-        assert {solids[piece].name for piece in whole.pieces} == {whole.solid.name}
-        assert ConvexHull(corners).volume == pytest.approx(ConvexHull(hulls[whole.solid.name][0]).volume, rel=1e-9)
-    assert [whole.pieces for whole in wholes(robot_solids(toy))] == [(0,), (1,), (2,), (3,)]
+    hulls = by_link(link_solids(gen3_hulls))
+    for body in link_bodies(gen3):
+        [whole] = body.wholes
+        assert whole.parts == tuple(range(len(body.solids)))
+        [[corners]] = by_link([placed(body, whole.solid)]).values()
+        assert ConvexHull(corners).volume == pytest.approx(ConvexHull(hulls[body.name][0]).volume, rel=1e-9)
+    assert [whole.parts for body in link_bodies(toy) for whole in body.wholes] == [(0,)] * 4
 
 
 def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(
@@ -227,7 +236,7 @@ def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(
     """The arm laid down: 40 mm from a wall, the finger 0.16 m from the base with 0.13 m between bounding spheres."""
     scene = make_toy_scene(enclosure={"min": [-0.4, -0.06, -0.2], "max": [0.4, 0.06, 0.4]})
     for margin, kept in ((0.10, [0]), (0.18, [])):
-        batch = BatchClearance(toy, scene, Margins(enclosure=0.0, robot=margin), np.zeros(1))
+        batch = BatchClearance(toy, enclosure_world(toy, scene, Margins(enclosure=0.0, robot=margin)), np.zeros(1))
         assert batch.measure(np.array([[1.4]]))[0].tolist() == kept
 
 
@@ -239,10 +248,10 @@ def test_what_is_behind_the_pad_is_not_kept_off_the_object(
     hook = '<origin xyz="-0.005 0 0.045"/><geometry><box size="0.03 0.02 0.01"/></geometry>'
     robot = make_toy(TOY_URDF.replace(finger, f"{finger}</collision><collision>{hook}"))
     scene = make_toy_scene()
-    model = CollisionModel(robot, scene, scene.task("ball"))
-    left = [i for i, solid in enumerate(robot_solids(robot)) if solid.name == "left"]
+    model = collision_model(robot, scene, "ball")
+    left = [i for i, solid in enumerate(link_solids(robot)) if solid.name == "left"]
     assert len(left) == 2
-    assert [pair.first for pair in model.pairs if pair.kind == "object" and pair.link == "left"] == left[1:]
+    assert [pair.first for pair in model.pairs if pair.kind == "object clearance" and pair.link == "left"] == left[1:]
 
 
 # ---- other shapes
@@ -406,7 +415,7 @@ def with_bracket(make_toy: RobotFactory, mesh: Path, **changes: Any) -> RobotMod
 )
 def test_robot_file_says_how_closely(make_toy: RobotFactory, tmp_path: Path, collision: Any, count: int) -> None:
     robot = with_bracket(make_toy, bracket(tmp_path), collision=collision)
-    pieces = [solid for solid in robot_solids(robot) if solid.name == "arm"]
+    pieces = [solid for solid in link_solids(robot) if solid.name == "arm"]
     assert len(pieces) >= count if count > 1 else len(pieces) == 1
     points = np.concatenate([np.array(solid.shape.points()) for solid in pieces])
     np.testing.assert_allclose(np.ptp(points, axis=0), [0.2, 0.2, 0.05], atol=1e-7)
@@ -457,7 +466,7 @@ def test_collision_element_that_others_pass_over_is_refused(
 ) -> None:
     urdf = TOY_URDF.replace('<link name="arm">', f'<link name="arm"><collision>{geometry}</collision>')
     with pytest.raises(InputError, match=problem.replace("(", r"\(")) as caught:
-        robot_solids(make_toy(urdf))
+        link_solids(make_toy(urdf))
     assert caught.value.key == "link arm"
 
 
@@ -557,10 +566,10 @@ def test_a_robot_with_cached_covers_reads_no_mesh(
     make_toy: RobotFactory, own_cache: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = with_bracket(make_toy, bracket(tmp_path))
-    first = robot_solids(robot)
+    first = link_solids(robot)
     assert len(own_cache) == 1
     cover_cache._cached.cache_clear()
-    again = robot_solids(robot)
+    again = link_solids(RobotModel(robot.description))
     assert len(own_cache) == 1
     for one, other in zip(first, again, strict=True):
         assert one.name == other.name

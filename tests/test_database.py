@@ -14,10 +14,13 @@ from typing import Any
 import duckdb
 import numpy as np
 import pytest
+from conftest import collision_model
 
 import pinograsp
 from pinograsp.cli import main
-from pinograsp.collision.distances import CollisionModel
+from pinograsp.collision.batch_clearance import BatchClearance
+from pinograsp.collision.scene_world import enclosure_world
+from pinograsp.collision.world import CLEARANCES
 from pinograsp.database import Cone, Coverage, Database, build_database, cached_database, region, spread_selection
 from pinograsp.database import cache as cache_module
 from pinograsp.database.lock import building
@@ -36,6 +39,8 @@ pinograsp.build_database(
     pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox"), sys.argv[1], size=int(sys.argv[2]), workers=2
 )
 """
+
+OBJECT = CLEARANCES["target"]
 
 
 def everything(file: Path) -> dict[str, Any]:
@@ -105,7 +110,7 @@ def test_rows_are_what_pinocchio_and_coal_say(small: Path, gen3: Any, glovebox: 
     import pinocchio as pin
 
     robot = gen3.mounted(glovebox.mounting.matrix)
-    model = CollisionModel(robot, glovebox, glovebox.task("sphere"))
+    model = collision_model(robot, glovebox, "sphere")
     model._reach[:] = 0.1  # measures all that is told apart in the rows
     data, hand = robot.model.createData(), hand_opening(robot)
     rows = everything(small)
@@ -118,7 +123,7 @@ def test_rows_are_what_pinocchio_and_coal_say(small: Path, gen3: Any, glovebox: 
         assert [rows[name][index] for name in ("ax", "ay", "az")] == pytest.approx(wrist.rotation[:, 2], abs=1e-6)
         measured = model.distances(configuration)
         kinds = [model.pairs[pair].kind for pair in measured.indices]
-        least = min([value for value, kind in zip(measured.values, kinds, strict=True) if kind != "object"] + [0.05])
+        least = min([value for value, kind in zip(measured.values, kinds, strict=True) if kind != OBJECT] + [0.05])
         assert rows["clearance"][index] == pytest.approx(least, abs=1e-6)
         assert least >= 0.005
 
@@ -134,19 +139,17 @@ def test_no_row_collides_by_the_independent_check(small: Path, gen3: Any, gloveb
 def test_rejected_samples_do_collide(small: Path, gen3: Any, glovebox: Any) -> None:
     """The cheap tests reject nothing that Coal would accept."""
     robot = gen3.mounted(glovebox.mounting.matrix)
-    model = CollisionModel(robot, glovebox, glovebox.task("sphere"))
+    model = collision_model(robot, glovebox, "sphere")
     data, hand = robot.model.createData(), hand_opening(robot)
-    from pinograsp.collision.batch_clearance import BatchClearance
-
     low = np.maximum(robot.lower[:7], -np.pi)
     high = np.minimum(robot.upper[:7], np.pi)
     q = np.random.default_rng(3).uniform(low, high, (400, 7))
-    kept, _, _ = BatchClearance(robot, glovebox, Margins(), hand).measure(q)
+    kept, _, _ = BatchClearance(robot, enclosure_world(robot, glovebox, Margins()), hand).measure(q)
     assert 5 < len(kept) < 200
     for index in range(len(q)):
         measured = model.distances(forward(robot, data, np.concatenate([q[index], hand])))
         kinds = [model.pairs[pair].kind for pair in measured.indices]
-        free = all(value >= 0.005 for value, kind in zip(measured.values, kinds, strict=True) if kind != "object")
+        free = all(value >= 0.005 for value, kind in zip(measured.values, kinds, strict=True) if kind != OBJECT)
         assert free == (index in kept)
 
 

@@ -11,14 +11,24 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
-from conftest import TOY_ROBOT, TOY_URDF, Array, RobotFactory, SceneFactory, random_parameters
+from conftest import (
+    TOY_ROBOT,
+    TOY_URDF,
+    Array,
+    RobotFactory,
+    SceneFactory,
+    collision_model,
+    link_solids,
+    random_parameters,
+    solids_of,
+)
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import pinograsp.collision.distances as collision
 from pinograsp.collision.batch_clearance import CAP, BatchClearance
 from pinograsp.collision.distances import REACH, CollisionModel
-from pinograsp.collision.solids import robot_solids
+from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins, Pose
 from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
@@ -184,7 +194,7 @@ def test_mounting_moves_the_hulls_of_the_arm(gen3: RobotModel) -> None:
 
 def check_moved_solids(robot: RobotModel, mounted: RobotModel, T: Array, posture: Array) -> None:
     here, there = configuration(robot, posture), configuration(mounted, posture)
-    for before, after in zip(robot_solids(robot), robot_solids(mounted), strict=True):
+    for before, after in zip(link_solids(robot), link_solids(mounted), strict=True):
         assert before.name == after.name
         np.testing.assert_allclose(placed(there, after), T @ placed(here, before), atol=1e-7)
 
@@ -216,7 +226,7 @@ def test_poses_of_many_arm_configurations(name: str, request: pytest.FixtureRequ
         wrist = link_pose(robot, posture, robot.description.arm.wrist)
         np.testing.assert_allclose(position, wrist[:3, 3], atol=1e-12)
         np.testing.assert_allclose(direction, wrist[:3, 2], atol=1e-12)
-    for solid in robot_solids(robot):
+    for solid in link_solids(robot):
         corner = batch.placement(solid.joint, solid.placement)[:3, 3]
         points = frames.place(batch.group_of[solid.joint], corner)
         expected = [placed(configuration(robot, posture), solid)[:3, 3] for posture in postures]
@@ -300,7 +310,7 @@ def test_derivatives_of_contacts(robot: RobotModel, seed: int) -> None:
 def test_hulls_contain_the_meshes_and_nothing_that_the_meshes_do_not_span(gen3_hulls: RobotModel) -> None:
     """Vertices as trimesh reads them lie within every facet; corners of the hull are vertices of the mesh."""
     geometry = pin.buildGeomFromUrdfString(gen3_hulls.model, gen3_hulls.urdf.xml, pin.GeometryType.COLLISION)
-    solids = robot_solids(gen3_hulls)
+    solids = link_solids(gen3_hulls)
     assert len(solids) == len(geometry.geometryObjects) == 17
     for solid, item in zip(solids, geometry.geometryObjects, strict=True):
         vertices = np.array(trimesh.load_scene(item.meshPath).to_geometry().vertices) * item.meshScale
@@ -331,14 +341,14 @@ def test_a_scaled_mesh_is_scaled_once(make_toy: RobotFactory, tmp_path: Any) -> 
     mesh = '<origin xyz="0.005 0 0.02"/><geometry><mesh filename="finger.stl" scale="0.001 0.002 0.003"/></geometry>'
     assert box in TOY_URDF
     robot = make_toy(TOY_URDF.replace(box, mesh), meshes=(tmp_path / "finger.stl",))
-    [left] = [solid for solid in robot_solids(robot) if solid.name == "left"]
+    [left] = [solid for solid in link_solids(robot) if solid.name == "left"]
     points = np.array(left.shape.points())
     np.testing.assert_allclose(np.ptp(points, axis=0), [0.01, 0.04, 0.12], atol=1e-7)
 
 
 def test_bounding_spheres_contain_their_bodies(gen3: RobotModel, toy: RobotModel) -> None:
     for robot in (gen3, toy):
-        for solid in robot_solids(robot):
+        for solid in link_solids(robot):
             if isinstance(solid.shape, coal.Box):
                 signs = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
                 points = signs * np.array(solid.shape.halfSide)
@@ -371,7 +381,7 @@ class Bench:
         self.data = self.robot.model.createData()
         low, high = self.robot.lower, self.robot.upper
         self.posture = np.random.default_rng(seed).uniform(0.6 * low + 0.4 * high, 0.4 * low + 0.6 * high)
-        solids = robot_solids(self.robot)
+        solids = link_solids(self.robot)
         [solid] = [solid for solid in solids if solid.name == link]
         here = self.at(self.posture)
         center = here.rotations[solid.joint] @ solid.center + here.translations[solid.joint]
@@ -393,9 +403,9 @@ class Bench:
             assert distance is not None
             self.position = self.start + distance * self.normal
         scene = with_object_at(self.scene, self.task, self.position)
-        self.model = CollisionModel(self.robot, scene, scene.task(self.task))
+        self.model = collision_model(self.robot, scene, self.task)
         [self.index] = [
-            i for i, pair in enumerate(self.model.pairs) if pair.kind == "object" and pair.link == self.link
+            i for i, pair in enumerate(self.model.pairs) if pair.kind == "object clearance" and pair.link == self.link
         ]
 
     def measure(self) -> tuple[float, Array]:
@@ -449,7 +459,7 @@ def test_distances_of_random_postures(
         model, robot = sphere_task.collisions, sphere_task.robot
     else:
         robot, scene = request.getfixturevalue(name), make_toy_scene(enclosure=TIGHT)
-        model = CollisionModel(robot, scene, scene.task("ball"))
+        model = collision_model(robot, scene, "ball")
     posture = random_postures(robot, 1, seed)[0]
     assert check_gradients(model, robot, posture) > 0
     check_witnesses(model, configuration(robot, posture))
@@ -464,7 +474,7 @@ def check_witnesses(model: CollisionModel, at: Configuration) -> None:
     values, points, normals = model.measure(indices, at)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
     for index, d, p1, n in zip(indices, values, points, normals, strict=True):
-        first, second = (model._solids[i] for i in (model.pairs[index].first, model.pairs[index].second))
+        first, second = (solids_of(model)[i] for i in (model.pairs[index].first, model.pairs[index].second))
         if math.isinf(second.radius):
             side = np.array(second.shape.n)
             corners = in_world(at, first, hull_points(first.shape))
@@ -509,7 +519,7 @@ def test_distances_do_not_depend_on_the_query_before(
     gen3: RobotModel, glovebox: SceneDescription, sphere_task: TaskModel
 ) -> None:
     robot = sphere_task.robot
-    fresh = CollisionModel(robot, glovebox, glovebox.task("sphere"))
+    fresh = collision_model(robot, glovebox, "sphere")
     postures = random_postures(robot, 6, seed=2)
     forwards = [sphere_task.collisions.distances(configuration(robot, p)) for p in postures]
     backwards = [fresh.distances(configuration(robot, p)) for p in postures[::-1]][::-1]
@@ -534,17 +544,20 @@ def test_clearance_of_many_configurations(name: str, request: pytest.FixtureRequ
     """
     task: TaskModel = request.getfixturevalue(name)
     robot = task.robot
-    model = CollisionModel(robot, task.scene, task.task)
+    model = collision_model(robot, task.scene, task.task_name)
     model._reach[:] = 2 * CAP  # measures all that the batch does
     margins = Margins(enclosure=0.012, robot=0.03)
     postures = random_postures(robot, 600, seed=3)
     postures[:, robot.arm_size :] = synergies = 0.5 * (robot.lower + robot.upper)[robot.arm_size :]
-    batch = BatchClearance(robot, task.scene, margins, synergies)
+    batch = BatchClearance(robot, enclosure_world(robot, task.scene, margins), synergies)
     kept, clearances, _ = batch.measure(postures[:, : robot.arm_size])
-    group = [batch.kinematics.group_of[solid.joint] for solid in model._solids]
-    counts = [pair.kind == "enclosure" or group[pair.first] != group[pair.second] for pair in model.pairs]
-    counts = np.array(counts) & np.array([pair.kind != "object" for pair in model.pairs])
-    wanted = np.array([{"enclosure": 0.012, "self": 0.03, "object": 0.0}[pair.kind] for pair in model.pairs])
+    group = [batch.kinematics.group_of[joint] for joint in model.joints.tolist()]
+    counts = [
+        pair.kind in {"enclosure clearance", "obstacle clearance"} or group[pair.first] != group[pair.second]
+        for pair in model.pairs
+    ]
+    counts = np.array(counts) & np.array([pair.kind != "object clearance" for pair in model.pairs])
+    wanted = np.array([0.03 if pair.kind == "self clearance" else 0.012 for pair in model.pairs])
     expected, least = [], []
     for i, posture in enumerate(postures):
         found = model.distances(configuration(robot, posture))
@@ -561,13 +574,13 @@ def test_clearance_of_many_configurations(name: str, request: pytest.FixtureRequ
 def test_pairs_of_the_glovebox(sphere_task: TaskModel) -> None:
     """Every moving link against six walls; the finger tips, which are behind their pads, not against the object."""
     pairs = sphere_task.collisions.pairs
-    links = {pair.link for pair in pairs if pair.kind == "enclosure"}
+    links = {pair.link for pair in pairs if pair.kind == "enclosure clearance"}
     assert len(links) == 16
-    assert sum(pair.kind == "enclosure" for pair in pairs) == 6 * 16
-    against_object = {pair.link for pair in pairs if pair.kind == "object"}
+    assert sum(pair.kind == "enclosure clearance" for pair in pairs) == 6 * 16
+    against_object = {pair.link for pair in pairs if pair.kind == "object clearance"}
     assert links - against_object == {"robotiq_85_left_finger_tip_link", "robotiq_85_right_finger_tip_link"}
     disabled = sphere_task.robot.urdf.disabled_pairs
-    selves = [pair for pair in pairs if pair.kind == "self"]
+    selves = [pair for pair in pairs if pair.kind == "self clearance"]
     assert len({frozenset((pair.first, pair.second)) for pair in selves}) == len(selves)
     assert not disabled & {frozenset((pair.link, pair.other)) for pair in selves}
 

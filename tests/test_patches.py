@@ -10,13 +10,12 @@ import jsonschema
 import numpy as np
 import pytest
 import yaml
-from conftest import TOY_ROBOT, TOY_URDF, Array, random_parameters, with_patches
+from conftest import TOY_ROBOT, TOY_URDF, Array, collision_model, random_parameters, with_patches
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
 from pinograsp import InputError, RobotModel, load_robot
-from pinograsp.collision.distances import CollisionModel
 from pinograsp.descriptions import SceneDescription, schema
 from pinograsp.descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch, SpherePatch
 from pinograsp.descriptions.urdf import read_urdf
@@ -148,8 +147,8 @@ def test_a_link_inside_its_curved_pad_has_no_distance_to_the_object(
     """A ball or a rod of 1 m that holds a finger tip bounds it as a plane does; one of 40 mm does not hold it."""
 
     def against_object(robot: RobotModel) -> set[str]:
-        model = CollisionModel(robot, glovebox, glovebox.task("sphere"))
-        return {pair.link for pair in model.pairs if pair.kind == "object"}
+        model = collision_model(robot, glovebox, "sphere")
+        return {pair.link for pair in model.pairs if pair.kind == "object clearance"}
 
     tips = {pad.link for pad in gen3.description.pads}
     ball = {"type": "sphere", "radius": 1.0, "origin": (0.974, -0.0008, 0.032), "v": (-0.1, 0.1)}

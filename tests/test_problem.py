@@ -13,7 +13,8 @@ import pytest
 from conftest import TOY_SCENE, Array, SceneFactory, agree, random_parameters
 
 from pinograsp.collision.batch_clearance import BatchClearance
-from pinograsp.collision.distances import REACH, SLACK
+from pinograsp.collision.distances import REACH
+from pinograsp.collision.scene_world import SLACK, enclosure_world
 from pinograsp.descriptions import SceneDescription
 from pinograsp.errors import InputError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
@@ -52,7 +53,7 @@ def random_starts(model: TaskModel, count: int, seed: int) -> Array:
     robot, synergies = model.robot, preshape(model.robot, model.desired_points, normals)
     low, high = np.maximum(robot.lower[:-1], -math.pi), np.minimum(robot.upper[:-1], math.pi)
     q = np.random.default_rng(seed).uniform(low, high, (30_000, len(low)))
-    clearance = BatchClearance(robot, model.scene, model.task.margin, synergies)
+    clearance = BatchClearance(robot, enclosure_world(robot, model.scene, model.task.margin), synergies)
     positions, _ = clearance.kinematics.wrist(clearance.kinematics.frames(q))
     q = q[np.linalg.norm(positions - model.load.center_of_mass, axis=1) < 0.3]
     q = q[clearance.measure(q)[0]][:count]

@@ -1,4 +1,4 @@
-"""Pairs of links that are not checked against each other, found where an SRDF is missing.
+"""Pairs of links that are not checked against each other: by an SRDF or, where one is missing, found here.
 
 - Two links that a movable joint joins touch there.
 - Others are near each other in every posture: the parts of a linkage, a wrist inside its fork.
@@ -11,6 +11,7 @@ A pair is dropped from the search by the first posture that decides it, so nothi
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import combinations, product
 from typing import Any
 
 import coal
@@ -19,57 +20,65 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..kinematics.robot import RobotModel
-from .solids import Solid, distance_request, self_pairs
+from ..memo import remembered
+from .solids import distance_request, link_bodies
+from .world import Body, BodyKey, Solid, pair_of_links
 
 POSTURES = 500
 """Random postures tried: two links that one posture in a hundred holds apart look inseparable with 0.7 % chance."""
 HAND_POSTURES = 60
 """For links of the hand, which fewer joints move."""
 
-LinkPair = frozenset[str]
+Pair = frozenset[BodyKey]
+SolidPairs = dict[Pair, list[tuple[Body, Solid, Body, Solid]]]
+"""Pairs of solids, by the pair of their bodies."""
 
 
-def excused_links(robot: RobotModel, solids: list[Solid], margin: float) -> frozenset[LinkPair]:
-    """Return the pairs of links that are not checked against each other: by an SRDF or, if one is missing, found here.
+def allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
+    """Return the pairs of links that need not keep apart; found once for a robot, wherever it is mounted.
 
     Args:
         robot: the robot.
-        solids: of its links, as `robot_solids` gives them.
         margin: distance that the others are to keep, m.
     """
-    given = robot.urdf.disabled_pairs
+    return _allowed_pairs(robot.unmounted, margin)
+
+
+@remembered
+def _allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
+    given = frozenset(pair_of_links(*sorted(links)) for links in robot.urdf.disabled_pairs if len(links) == 2)
     if robot.urdf.complete:
         return given
     parents = robot.model.parents
-    found = set(given)
-    for a, b in self_pairs(robot, solids, given):
-        first, second = solids[a].joint, solids[b].joint
-        if parents[first] == second or parents[second] == first:
-            found.add(_links(solids[a], solids[b]))
-    found |= always_near(robot, solids, self_pairs(robot, solids, frozenset(found)), margin)
-    in_hand = [
-        pair
-        for pair in self_pairs(robot, solids, frozenset(found))
-        if robot.moved_by_hand(solids[pair[0]].joint, solids[pair[1]].joint)
+    left = pairs_apart(robot, given)
+    found = {_pair(a, b) for a, b in left if parents[a.joint] == b.joint or parents[b.joint] == a.joint}
+    left = [pair for pair in left if _pair(*pair) not in found]
+    found |= always_near(robot, left, margin)
+    in_hand = [(a, b) for a, b in left if _pair(a, b) not in found and robot.moved_by_hand(a.joint, b.joint)]
+    return given | found | _never_touching(robot, in_hand)
+
+
+def pairs_apart(robot: RobotModel, allowed: frozenset[Pair]) -> list[tuple[Body, Body]]:
+    """Return the pairs of links that move against each other and may not touch."""
+    return [
+        (first, second)
+        for first, second in combinations(link_bodies(robot), 2)
+        if (robot.supports[first.joint] != robot.supports[second.joint]).any() and _pair(first, second) not in allowed
     ]
-    return frozenset(found | _never_touching(robot, solids, in_hand))
 
 
-def always_near(
-    robot: RobotModel, solids: list[Solid], pairs: Iterable[tuple[int, int]], margin: float
-) -> set[LinkPair]:
+def always_near(robot: RobotModel, pairs: Iterable[tuple[Body, Body]], margin: float) -> set[Pair]:
     """Return the pairs of links that are nearer than a margin in all of `POSTURES` random postures.
 
     Args:
         robot: the robot; the postures are within its limits, the same every time.
-        solids: of its links.
-        pairs: indices of the solids in question; two links are as far apart as the nearest two of theirs.
+        pairs: the links in question; two links are as far apart as the nearest two of their solids.
         margin: m.
     """
-    left, request = _by_links(solids, pairs), distance_request()
+    left, request = _by_links(pairs), distance_request()
     for poses in _random_poses(robot, POSTURES):
         for links, theirs in list(left.items()):
-            near = (k for k, (a, b) in enumerate(theirs) if _nearer(solids[a], solids[b], poses, margin, request))
+            near = (k for k, pair in enumerate(theirs) if _nearer(*pair, poses, margin, request))
             first = next(near, None)
             if first is None:
                 del left[links]
@@ -80,20 +89,17 @@ def always_near(
     return set(left)
 
 
-def _never_touching(robot: RobotModel, solids: list[Solid], pairs: Iterable[tuple[int, int]]) -> set[LinkPair]:
-    left, request = _by_links(solids, pairs), distance_request()
+def _never_touching(robot: RobotModel, pairs: Iterable[tuple[Body, Body]]) -> set[Pair]:
+    left, request = _by_links(pairs), distance_request()
     for poses in _random_poses(robot, HAND_POSTURES):
         for links, theirs in list(left.items()):
-            if any(_nearer(solids[a], solids[b], poses, 0.0, request) for a, b in theirs):
+            if any(_nearer(*pair, poses, 0.0, request) for pair in theirs):
                 del left[links]
     return set(left)
 
 
-def _by_links(solids: list[Solid], pairs: Iterable[tuple[int, int]]) -> dict[LinkPair, list[tuple[int, int]]]:
-    found: dict[LinkPair, list[tuple[int, int]]] = {}
-    for a, b in pairs:
-        found.setdefault(_links(solids[a], solids[b]), []).append((a, b))
-    return found
+def _by_links(pairs: Iterable[tuple[Body, Body]]) -> SolidPairs:
+    return {_pair(a, b): [(a, s, b, t) for s, t in product(a.solids, b.solids)] for a, b in pairs}
 
 
 def _random_poses(robot: RobotModel, count: int) -> Iterator[list[Array]]:
@@ -104,10 +110,10 @@ def _random_poses(robot: RobotModel, count: int) -> Iterator[list[Array]]:
         yield [M.homogeneous for M in data.oMi]
 
 
-def _nearer(first: Solid, second: Solid, poses: list[Array], margin: float, request: Any) -> bool:
+def _nearer(a: Body, first: Solid, b: Body, second: Solid, poses: list[Array], margin: float, request: Any) -> bool:
     """Whether two solids are nearer than the margin; poses of all joints."""
-    (Ta, Tb), (a, b) = (poses[first.joint], poses[second.joint]), (first.center, second.center)
-    apart = Ta[:3, :3] @ a + Ta[:3, 3] - Tb[:3, :3] @ b - Tb[:3, 3]
+    Ta, Tb = poses[a.joint] @ a.pose, poses[b.joint] @ b.pose
+    apart = Ta[:3, :3] @ first.center + Ta[:3, 3] - Tb[:3, :3] @ second.center - Tb[:3, 3]
     if float(np.linalg.norm(apart)) - first.radius - second.radius >= margin:
         return False
     Ta, Tb = Ta @ first.placement, Tb @ second.placement
@@ -115,5 +121,5 @@ def _nearer(first: Solid, second: Solid, poses: list[Array], margin: float, requ
     return bool(coal.distance(first.shape, at[0], second.shape, at[1], request, coal.DistanceResult()) < margin)
 
 
-def _links(first: Solid, second: Solid) -> LinkPair:
-    return frozenset((first.name, second.name))
+def _pair(first: Body, second: Body) -> Pair:
+    return frozenset((first.key, second.key))

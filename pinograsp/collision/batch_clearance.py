@@ -13,8 +13,9 @@ What is left keeps the margins, and its least distance is known up to `CAP`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from itertools import product
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
 from typing import Any
 
 import coal
@@ -22,58 +23,83 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
-from ..descriptions import SceneDescription
-from ..descriptions.scene import Margins
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
 from ..kinematics.robot import RobotModel
-from .allowed_pairs import excused_links
-from .solids import Solid, body_solid, distance_request, robot_solids, self_pairs, wholes
+from .solids import distance_request
+from .world import Body, Solid, Whole, World
 
 CAP = 0.05
 """Distances from here on are not told apart (unless a margin is larger), m."""
 _BLOCK = 256
 
 
-class BatchClearance:
-    """Tests arm configurations of a mounted robot in the enclosure of a scene; objects do not count."""
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """A solid in the frame of its group."""
 
-    def __init__(self, robot: RobotModel, scene: SceneDescription, margins: Margins, synergies: Array) -> None:
+    shape: Any
+    group: int
+    placement: Array
+    center: Array
+    radius: float
+
+    @cached_property
+    def key(self) -> bytes:
+        """Equal for solids with one pose."""
+        return self.group.to_bytes(4, "little", signed=True) + self.placement.tobytes()
+
+    def poses(self, frames: GroupFrames, which: Indices) -> list[Any]:
+        """Return the poses in the world for some configurations."""
+        local = self.placement
+        if self.group == WORLD:
+            return [coal.Transform3s(local[:3, :3], local[:3, 3])] * len(which)
+        R, p = frames.rotations[self.group, which], frames.translations[self.group, which]
+        return list(map(coal.Transform3s, R @ local[:3, :3], R @ local[:3, 3] + p))
+
+
+@dataclass(frozen=True, eq=False)
+class _Whole(_Placed):
+    """A hull of a body, with the solids that it is the hull of."""
+
+    body: Body
+    parts: tuple[_Placed, ...]
+
+
+class BatchClearance:
+    """Tests arm configurations in a world without an object, the hand held still."""
+
+    def __init__(self, robot: RobotModel, world: World, synergies: Array) -> None:
         self.kinematics = BatchKinematics(robot, synergies)
-        self._margins = margins
-        self._cap = max(CAP, margins.enclosure, margins.robot)
-        self._normals = np.array([normal for normal, _ in scene.enclosure.walls.values()])
-        self._offsets = np.array([offset for _, offset in scene.enclosure.walls.values()])
-        links = robot_solids(robot)
-        obstacles = [body_solid(name, body) for name, body in scene.obstacles.items()]
-        bodies = wholes([*links, *obstacles])
-        self._solids = [*(body.solid for body in bodies), *links, *obstacles]
-        self._pieces = [[len(bodies) + piece for piece in body.pieces] for body in bodies]
-        self._groups = [self.kinematics.group_of[solid.joint] for solid in self._solids]
-        self._placements = [self.kinematics.placement(s.joint, s.placement) for s in self._solids]
-        self._centers = [self.kinematics.placement(s.joint, np.eye(4)) @ [*s.center, 1.0] for s in self._solids]
-        # Pieces of one mesh have one pose.
-        alike: dict[tuple[int, bytes], int] = {}
-        poses = [(group, T.tobytes()) for group, T in zip(self._groups, self._placements, strict=True)]
-        self._posed_like = [alike.setdefault(pose, i) for i, pose in enumerate(poses)]
-        count = len(bodies) - len(obstacles)
-        moving = [i for i in range(count) if self._groups[i] != WORLD]
-        pairs = [(i, o, margins.enclosure) for i in moving for o in range(count, len(bodies))]
-        excused = excused_links(robot, links, margins.robot)
-        pairs += [
-            (a, b, margins.robot)
-            for a, b in self_pairs(robot, self._solids[:count], excused)
-            if self._groups[a] != self._groups[b]
+        self._margins = world.margins
+        self._cap = max(CAP, *world.margins.values())
+        walls = [wall.solids[0].shape for wall in world.of("wall")]
+        self._normals, self._offsets = np.array([wall.n for wall in walls]), np.array([wall.d for wall in walls])
+        self._wholes = [self._with_parts(body, whole) for body in world.of("link", "obstacle") for whole in body.wholes]
+        links = [whole for whole in self._wholes if whole.body.role == "link"]
+        moving = [whole for whole in links if whole.group != WORLD]
+        obstacles = [whole for whole in self._wholes if whole.body.role == "obstacle"]
+        self._pairs = [
+            (a, b, world.margins[b.body.role])
+            for a, b in [*product(moving, obstacles), *combinations(links, 2)]
+            if a.group != b.group and world.keep_apart(a.body, b.body, robot.supports)
         ]
-        self._pairs = pairs
         self._request = distance_request()
         self._vertices = {
-            group: _hull_vertices(
-                [_vertices(self._solids[i], self._placements[i]) for i in moving if self._groups[i] == group]
-            )
-            for group in sorted({self._groups[i] for i in moving})
+            group: _hull_vertices([_vertices(whole) for whole in moving if whole.group == group])
+            for group in sorted({whole.group for whole in moving})
         }
         self._centroids = {group: points.mean(axis=0)[None] for group, points in self._vertices.items()}
         self._extremes = {group: _extremes(points) for group, points in self._vertices.items()}
+
+    def _with_parts(self, body: Body, whole: Whole) -> _Whole:
+        parts = tuple(self._placed(body, body.solids[part]) for part in whole.parts)
+        placed = self._placed(body, whole.solid)
+        return _Whole(placed.shape, placed.group, placed.placement, placed.center, placed.radius, body, parts)
+
+    def _placed(self, body: Body, solid: Solid) -> _Placed:
+        center = self.kinematics.placement(body.joint, body.pose) @ [*solid.center, 1.0]
+        placement = self.kinematics.placement(body.joint, body.pose @ solid.placement)
+        return _Placed(solid.shape, self.kinematics.group_of[body.joint], placement, center[:3], solid.radius)
 
     def measure(self, q: Array) -> tuple[Indices, Array, GroupFrames]:
         """Return which configurations keep the margins, their clearance (m, at most CAP), and their frames.
@@ -85,12 +111,12 @@ class BatchClearance:
         kept = np.arange(len(q))
         for stage in (self._centroids, self._extremes):
             for group in reversed(stage):  # the outer links hit a wall more often
-                inside = self._to_walls(frames, group, stage[group]) >= self._margins.enclosure
+                inside = self._to_walls(frames, group, stage[group]) >= self._margins["wall"]
                 kept, frames = kept[inside], _take(frames, inside)
         clearance = np.full(len(kept), self._cap)
         for group in reversed(self._vertices):
             np.minimum(clearance, self._to_walls(frames, group, self._vertices[group]), out=clearance)
-        inside = clearance >= self._margins.enclosure
+        inside = clearance >= self._margins["wall"]
         kept, frames, clearance = kept[inside], _take(frames, inside), clearance[inside]
         clearance = self._pair_clearance(frames, clearance)
         inside = clearance > -np.inf
@@ -111,66 +137,57 @@ class BatchClearance:
 
     def _pair_clearance(self, frames: GroupFrames, clearance: Array) -> Array:
         """Lower the clearances by pairs of bodies; -inf where a margin is not kept."""
-        centers = self._placed_centers(frames, range(len(self._pieces)))
+        centers = {id(whole): frames.place(whole.group, whole.center) for whole in self._wholes}
         result = clearance.copy()
         for a, b, margin in self._pairs:
             # A pair matters below what is known, and below its margin in any case; once it is out, nowhere.
             most = np.where(np.isfinite(result), np.maximum(result, margin), -np.inf)
-            apart = np.linalg.norm(centers[a] - centers[b], axis=1) - self._solids[a].radius - self._solids[b].radius
+            apart = np.linalg.norm(centers[id(a)] - centers[id(b)], axis=1) - a.radius - b.radius
             near = np.flatnonzero(apart < most)
             distances = self._distances(frames, near, a, b)
-            if len(self._pieces[a]) * len(self._pieces[b]) > 1:
+            if len(a.parts) * len(b.parts) > 1:
                 near = near[distances < most[near]]
                 distances = self._piece_distances(_take(frames, near), most[near], a, b)
             result[near] = np.where(distances < margin, -np.inf, np.minimum(result[near], distances))
         return result
 
-    def _distances(self, frames: GroupFrames, which: Indices, a: int, b: int) -> Array:
-        """Return the distances of two solids in some configurations, shape (n,)."""
-        poses = zip(self._poses(frames, which, a), self._poses(frames, which, b), strict=True)
-        return np.array([self._distance(a, pose_a, b, pose_b) for pose_a, pose_b in poses])
+    def _distances(self, frames: GroupFrames, which: Indices, a: _Whole, b: _Whole) -> Array:
+        """Return the distances of two hulls in some configurations, shape (n,)."""
+        poses = zip(a.poses(frames, which), b.poses(frames, which), strict=True)
+        return np.array([self._distance(a.shape, at, b.shape, there) for at, there in poses])
 
-    def _piece_distances(self, frames: GroupFrames, most: Array, a: int, b: int) -> Array:
+    def _piece_distances(self, frames: GroupFrames, most: Array, a: _Whole, b: _Whole) -> Array:
         """Return the least distances between pieces of two bodies, or `most` where that is less, shape (N,)."""
-        pairs = list(product(self._pieces[a], self._pieces[b]))
-        centers, others = (self._placed_centers(frames, self._pieces[body]) for body in (a, b))
-        radii = np.array([self._solids[i].radius + self._solids[j].radius for i, j in pairs])
+        pairs = list(product(a.parts, b.parts))
+        centers, others = (np.array([frames.place(p.group, p.center) for p in whole.parts]) for whole in (a, b))
+        radii = np.array([first.radius + second.radius for first, second in pairs])
         apart = np.linalg.norm(centers[:, None] - others, axis=3).reshape(len(pairs), -1).T - radii
-        posed_like = {piece: self._posed_like[piece] for piece in self._pieces[a] + self._pieces[b]}
-        poses = {solid: self._poses(frames, np.arange(len(most)), solid) for solid in set(posed_like.values())}
+        # Pieces of one mesh have one pose.
+        poses: dict[bytes, list[Any]] = {}
+        for part in (*a.parts, *b.parts):
+            if part.key not in poses:
+                poses[part.key] = part.poses(frames, np.arange(len(most)))
         least = most.copy()
         for n, order in enumerate(apart.argsort(axis=1).tolist()):
             for pair in order:
                 if apart[n, pair] >= least[n]:
                     break
                 i, j = pairs[pair]
-                least[n] = min(least[n], self._distance(i, poses[posed_like[i]][n], j, poses[posed_like[j]][n]))
+                found = self._distance(i.shape, poses[i.key][n], j.shape, poses[j.key][n])
+                least[n] = min(least[n], found)
         return least
 
-    def _distance(self, a: int, pose_a: Any, b: int, pose_b: Any) -> float:
-        first, second = self._solids[a].shape, self._solids[b].shape
-        return float(coal.distance(first, pose_a, second, pose_b, self._request, coal.DistanceResult()))
-
-    def _placed_centers(self, frames: GroupFrames, solids: Iterable[int]) -> Array:
-        """Return the centres of bounding spheres, world, m, shape (solids, N, 3)."""
-        return np.array([frames.place(self._groups[i], self._centers[i][:3]) for i in solids])
-
-    def _poses(self, frames: GroupFrames, which: Indices, solid: int) -> list[Any]:
-        """Return a solid's poses for some configurations."""
-        local, group = self._placements[solid], self._groups[solid]
-        if group == WORLD:
-            return [coal.Transform3s(local[:3, :3], local[:3, 3])] * len(which)
-        R, p = frames.rotations[group, which], frames.translations[group, which]
-        return list(map(coal.Transform3s, R @ local[:3, :3], R @ local[:3, 3] + p))
+    def _distance(self, first: Any, at: Any, second: Any, there: Any) -> float:
+        return float(coal.distance(first, at, second, there, self._request, coal.DistanceResult()))
 
 
 def _take(frames: GroupFrames, which: Indices | NDArray[np.bool_]) -> GroupFrames:
     return GroupFrames(frames.rotations[:, which], frames.translations[:, which])
 
 
-def _vertices(solid: Solid, placement: Array) -> Array:
-    """Return the vertices of a solid in its group's frame; of a primitive, those of its bounding box."""
-    shape = solid.shape
+def _vertices(whole: _Whole) -> Array:
+    """Return the vertices of a hull in its group's frame; of a primitive, those of its bounding box."""
+    shape, placement = whole.shape, whole.placement
     if isinstance(shape, coal.ConvexBase):
         points = np.array(shape.points())
     else:

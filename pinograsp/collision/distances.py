@@ -1,4 +1,4 @@
-"""Exact signed distances of the robot to its surroundings and to itself, with gradients.
+"""Exact signed distances of the bodies of a world that must keep apart, with gradients.
 
 For a pair with witness points p1, p2 and unit normal n from the first body to the second,
 
@@ -7,56 +7,30 @@ For a pair with witness points p1, p2 and unit normal n from the first body to t
 with world Jacobian columns J and the joints that move each body.
 
 Pairs whose bounding spheres are `REACH` or more beyond their margin are not measured: their distance is known to
-be at least that, and users of the distances must treat all such values alike (`problem.terms.clearance` does, so
+be at least that, and users of the distances must treat all such values alike (`problem.constraints.clearance` does, so
 that culling never makes a constraint jump).
 """
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import Literal
+from typing import Any
 
 import coal
 import numpy as np
 
 from ..arrays import Array, Indices
 from ..compiled import compiled
-from ..descriptions import SceneDescription, TaskDescription
-from ..geometry.patches import above
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import RobotModel
-from .allowed_pairs import excused_links
-from .solids import Solid, body_solid, distance_request, robot_solids, self_pairs, wall_solids, wholes
+from .pairs import pairs_of
+from .solids import distance_request
+from .world import BodyKey, World
 
-Kind = Literal["enclosure", "object", "self"]
 REACH = 0.03
 """Pairs farther apart than this, beyond their margin, are not measured, m."""
-
-SLACK = 2e-5
-"""Kept on top of the margins, m: the certificate sees round primitives as facets that stand a little outside them."""
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two bodies that must keep apart."""
-
-    kind: Kind
-    link: str
-    """The robot's link; in a self pair the outer one."""
-    other: str
-    """What it must keep clear of: a wall, an obstacle, the object or a link."""
-    first: int
-    second: int
-    margin: float
-    """Least distance wanted, m."""
-
-    @property
-    def name(self) -> str:
-        """Both bodies in words."""
-        return f"{self.link} - {self.other}"
 
 
 @dataclass(frozen=True)
@@ -72,51 +46,53 @@ class Distances:
 
 
 class CollisionModel:
-    """The pairs of bodies of a task, and their distances at a configuration."""
+    """The distances of a world at configurations of the robot."""
 
-    def __init__(self, robot: RobotModel, scene: SceneDescription, task: TaskDescription) -> None:
-        links = robot_solids(robot)
-        hulls = [whole.solid for whole in wholes(links)]
-        walls = wall_solids(scene.enclosure)
-        obstacles = [body_solid(name, body) for name, body in scene.bodies_besides(task).items()]
-        target = body_solid(task.object, scene.objects[task.object])
+    def __init__(self, robot: RobotModel, world: World) -> None:
         self._robot = robot
-        self._solids = [*links, *hulls, *walls, *obstacles, target]
-        self._margins: dict[Kind, float] = {
-            "enclosure": task.margin.enclosure + SLACK,
-            "object": 0.0,
-            "self": task.margin.robot + SLACK,
-        }
-        self.pairs = tuple(self._pairs(len(links), len(hulls), len(walls), len(obstacles), task.margin.robot))
+        solids, self.pairs = pairs_of(robot, world)
+        self.shapes = tuple(placed.solid.shape for placed in solids)
+        """Coal geometries; the pairs refer to them by number."""
+        self._owners = tuple(placed.body.key for placed in solids)
+        self.joints = np.array([placed.body.joint for placed in solids])
+        """Parent of every solid, shape (solids,)."""
+        self._local = np.array([placed.solid.placement for placed in solids])
+        self.placements = np.array([placed.body.pose @ placed.solid.placement for placed in solids])
+        """Poses of the solids in their parents' frames, shape (solids, 4, 4)."""
+        centers = [s.placement[:3, :3].T @ (s.center - s.placement[:3, 3]) for s in (placed.solid for placed in solids)]
+        self._centers = np.array(centers)
+        self._radii = np.array([placed.solid.radius for placed in solids])
+        self._first = np.array([pair.first for pair in self.pairs])
+        self._second = np.array([pair.second for pair in self.pairs])
         self._reach = REACH + np.array([pair.margin for pair in self.pairs])
-        first = np.array([pair.first for pair in self.pairs])
-        second = np.array([pair.second for pair in self.pairs])
-        joints = np.array([solid.joint for solid in self._solids])
-        self._joints = joints
-        self._placements = np.array([solid.placement for solid in self._solids])
-        self._centers = np.array([s.placement[:3, :3].T @ (s.center - s.placement[:3, 3]) for s in self._solids])
-        self._first, self._second = first, second
-        self._moves = robot.supports[joints[second]] - robot.supports[joints[first]]
-        self._radii = np.array([solid.radius for solid in self._solids])
-        # Of the walls, rows of other solids are not used.
-        self._normals, self._offsets = np.zeros((len(joints), 3)), np.zeros(len(joints))
-        for wall, (inward, offset) in enumerate(scene.enclosure.walls.values(), len(links) + len(hulls)):
-            self._normals[wall], self._offsets[wall] = inward, offset
+        self._moves = robot.supports[self.joints[self._second]] - robot.supports[self.joints[self._first]]
+        # Of the walls, in their own frames; rows of other solids are not used.
+        self._normals, self._offsets = np.zeros((len(solids), 3)), np.zeros(len(solids))
+        for number, shape in enumerate(self.shapes):
+            if isinstance(shape, coal.Halfspace):
+                self._normals[number], self._offsets[number] = shape.n, shape.d
         self._request = distance_request()
         # What Coal reads and writes at every measurement: made once, since making it costs more than measuring.
-        self._poses = [coal.Transform3s() for _ in self._solids]
+        self._poses = [coal.Transform3s() for _ in solids]
         self._result = coal.DistanceResult()
-        self._queries = [self._query(pair) for pair in self.pairs]
+        self._queries: list[Any] = [None] * len(self.pairs)
 
-    def joint(self, solid: int) -> int:
-        """Return the joint that carries a solid."""
-        return int(self._joints[solid])
+    def moved(self, key: BodyKey, pose: Array) -> CollisionModel:
+        """Return the model with one body at another pose in its parent's frame, shape (4, 4); nothing is rebuilt."""
+        model = copy.copy(self)
+        model.placements = self.placements.copy()
+        for number, owner in enumerate(self._owners):
+            if owner == key:
+                model.placements[number] = pose @ self._local[number]
+        return model
 
-    def _query(self, pair: Pair) -> Callable[[], float]:
-        """Return what measures a pair at the poses of its solids into the result."""
-        measure = coal.ComputeDistance(self._solids[pair.first].shape, self._solids[pair.second].shape)
-        poses = self._poses[pair.first], self._poses[pair.second]
-        return partial(measure, *poses, self._request, self._result)
+    def _query(self, index: int) -> Any:
+        """Return Coal's query of a pair, made when it is first measured."""
+        query = self._queries[index]
+        if query is None:
+            pair = self.pairs[index]
+            query = self._queries[index] = coal.ComputeDistance(self.shapes[pair.first], self.shapes[pair.second])
+        return query
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
@@ -138,7 +114,7 @@ class CollisionModel:
 
     def _placed(self, configuration: Configuration) -> tuple[Array, Array]:
         """Return the poses of all solids: rotations (solids, 3, 3), translations (solids, 3), world."""
-        return _placed(configuration.rotations, configuration.translations, self._joints, self._placements)
+        return _placed(configuration.rotations, configuration.translations, self.joints, self.placements)
 
     def measure(self, indices: Indices, configuration: Configuration) -> tuple[Array, Array, Array]:
         """Measure some pairs, whether near or not.
@@ -155,54 +131,14 @@ class CollisionModel:
         values = np.empty(len(indices))
         points, normals = np.empty((len(indices), 3)), np.empty((len(indices), 3))
         result = self._result
+        poses, request = self._poses, self._request
         for row, index in enumerate(indices.tolist()):
             result.clear()
-            values[row] = self._queries[index]()
+            pair = self.pairs[index]
+            values[row] = self._query(index)(poses[pair.first], poses[pair.second], request, result)
             points[row] = result.getNearestPoint1()
             normals[row] = result.normal
         return values, points, normals
-
-    def _pairs(self, links: int, hulls: int, walls: int, obstacles: int, margin: float) -> list[Pair]:
-        """List the pairs that can move against each other; wall pairs first, link by link.
-
-        Walls against whole hulls: a half-space is as far from them as from the nearest piece.
-        """
-        solids, supports = self._solids, self._robot.supports
-        moving = [i for i in range(links) if supports[solids[i].joint].any()]
-        whole = [i for i in range(links, links + hulls) if supports[solids[i].joint].any()]
-        wall = range(links + hulls, links + hulls + walls)
-        around = range(wall.stop, wall.stop + obstacles)
-        target = around.stop
-
-        def pair(kind: Kind, a: int, b: int, link: int, other: int) -> Pair:
-            return Pair(kind, solids[link].name, solids[other].name, a, b, self._margins[kind])
-
-        excused = excused_links(self._robot, solids[:links], margin)
-        pairs = [pair("enclosure", i, w, i, w) for i in whole for w in wall]
-        pairs += [pair("enclosure", i, o, i, o) for i in moving for o in around]
-        pairs += [pair("object", i, target, i, target) for i in moving if not self._behind_its_pad(solids[i])]
-        pairs += [pair("self", a, b, b, a) for a, b in self_pairs(self._robot, solids[:links], excused)]
-        return pairs
-
-    def _behind_its_pad(self, solid: Solid) -> bool:
-        """Return whether the surface of a pad bounds the link, or this piece of it.
-
-        Then contact and tangency at the pad already keep the piece off a convex object. Its distance to the
-        object is zero at every grasp with the gradient of the contact condition: as one more inequality it
-        would only make the problem degenerate.
-        """
-        if isinstance(solid.shape, coal.Sphere):
-            points, around = solid.placement[None, :3, 3], float(solid.shape.radius)
-        elif isinstance(solid.shape, coal.ConvexBase):
-            points, around = np.array(solid.shape.points()) @ solid.placement[:3, :3].T + solid.placement[:3, 3], 0.0
-        else:
-            return False
-        return any(
-            pad.joint == solid.joint
-            and pad.description.link == solid.name
-            and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < 2e-6
-            for pad in self._robot.pads
-        )
 
 
 @compiled
@@ -239,7 +175,7 @@ def _near(
         shifts: translations of the solids, world, m, shape (solids, 3).
         centers: of the bounding spheres, in the solids' frames, m, shape (solids, 3).
         radii: of the solids, m, shape (solids,).
-        normals: of the walls, inward, shape (solids, 3).
+        normals: of the walls, inward, in their own frames, shape (solids, 3).
         offsets: of the walls: normal . p on them, m, shape (solids,).
         first: solid of every pair, shape (pairs,).
         second: solid or wall of every pair, shape (pairs,).
@@ -257,7 +193,10 @@ def _near(
         if math.isinf(radii[b]):
             height = -offsets[b]
             for axis in range(3):
-                height += at[a, axis] * normals[b, axis]
+                inward = 0.0
+                for k in range(3):
+                    inward += turns[b, axis, k] * normals[b, k]
+                height += (at[a, axis] - shifts[b, axis]) * inward
             close = height - radii[a] < reach[pair]
         else:
             square, limit = 0.0, reach[pair] + radii[a] + radii[b]

@@ -9,17 +9,15 @@ from ..kinematics.forward import forward
 from ..kinematics.hand_posture import Allowed
 from ..kinematics.robot import RobotModel
 from .distances import CollisionModel
+from .world import CLEARANCES
 
 
 def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
     """Return the function that says whether the hand keeps its links off each other, given synergies."""
-    in_hand = np.array(
-        [
-            pair.kind == "self" and robot.moved_by_hand(collisions.joint(pair.first), collisions.joint(pair.second))
-            for pair in collisions.pairs
-        ]
-    )
-    margins = np.array([pair.margin for pair in collisions.pairs])
+    joints, margins = collisions.joints, np.array([pair.margin for pair in collisions.pairs])
+    of_robot = (pair.kind == CLEARANCES["link"] for pair in collisions.pairs)
+    by_hand = (robot.moved_by_hand(joints[pair.first], joints[pair.second]) for pair in collisions.pairs)
+    in_hand = np.array([own and moved for own, moved in zip(of_robot, by_hand, strict=True)])
     data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
 
     def free(sigma: Array) -> bool:

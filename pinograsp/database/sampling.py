@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
 from ..collision.batch_clearance import BatchClearance
+from ..collision.scene_world import enclosure_world
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..kinematics.hand_posture import hand_opening
@@ -49,7 +50,7 @@ class BatchSampler:
 
     def __init__(self, robot: RobotModel, scene: SceneDescription, margins: Margins, seed: int, spread: Spread) -> None:
         mounted = robot.mounted(scene.mounting.matrix)
-        self._clearance = BatchClearance(mounted, scene, margins, hand_opening(mounted))
+        self._clearance = BatchClearance(mounted, enclosure_world(mounted, scene, margins), hand_opening(mounted))
         self._low, self._high = _range(mounted)
         self._origin = np.array(scene.enclosure.min)
         self._size = np.array(scene.enclosure.max) - self._origin

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from ..descriptions import RobotDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot import PadDescription
 from ..descriptions.urdf import Mimic
+from ..disk import digest
 from ..errors import InputError
 from ..geometry.patches import patch_point
 from . import urdf
@@ -67,13 +69,15 @@ class PadFrames(NamedTuple):
 class RobotModel:
     """A robot whose root link stands at `T_world_root`; see the module's docstring for B and q_0.
 
-    Pickling sends the robot file's data and builds the model again on the other side.
+    The URDF is read once, here. `mounted` and `with_pads` give robots that share all else with this one, quickly.
     """
 
-    def __init__(self, description: RobotDescription, T_world_root: Array | None = None) -> None:
+    def __init__(self, description: RobotDescription) -> None:
+        self.unmounted = self
+        """The robot with its root link at the world's origin, from which this one was made."""
         self.description = description
-        self.T_world_root = np.eye(4) if T_world_root is None else T_world_root
-        self.urdf = urdf.prepare(description, self.T_world_root)
+        self.T_world_root: Array = np.eye(4)
+        self.urdf = urdf.prepare(description)
         self._check_names()
         self.model: Any = pin.buildModelFromXML(self.urdf.xml)
         self.joint_names: tuple[str, ...] = tuple(self.model.names)[1:]
@@ -87,6 +91,11 @@ class RobotModel:
         """Joints that several synergies move: limits of the posture do not keep these within their own."""
         self.hand_joints: Indices = np.flatnonzero(np.abs(self.B[:, self.arm_size :]).any(axis=1))
         self.supports = self._supports()
+        self.wrist_frame: int = self.model.getFrameId(description.arm.wrist, pin.BODY)
+        self._place_pads()
+
+    def _place_pads(self) -> None:
+        description = self.description
         self.parameter_limits: Array = np.array([limits for pad in description.pads for limits in pad.patch.parameters])
         self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
         self.pad_frames = PadFrames(
@@ -96,15 +105,31 @@ class RobotModel:
             np.repeat(np.arange(len(self.pads)), [len(pad.patch.parameters) for pad in self.pads]),
         )
         self.step_units = self._step_units()
-        self.wrist_frame: int = self.model.getFrameId(description.arm.wrist, pin.BODY)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
-        return (RobotModel, (self.description, self.T_world_root))
+        content, pads = self.unmounted.description.model_dump_json(), tuple(pad.name for pad in self.description.pads)
+        return (_rebuilt, (content, digest(self.urdf.xml.encode()), pads, self.T_world_root))
 
     def mounted(self, T_world_root: Array) -> RobotModel:
         """Return the same robot with its root link at another pose, shape (4, 4)."""
-        return RobotModel(self.description, T_world_root)
+        robot = self._alike()
+        robot.T_world_root = T_world_root
+        robot.model = _mounted(self.unmounted.model, T_world_root)
+        return robot
+
+    def with_pads(self, names: tuple[str, ...]) -> RobotModel:
+        """Return the same robot with only some of its pads, by name, in the order given."""
+        pads = {pad.name: pad for pad in self.unmounted.description.pads}
+        robot = self._alike()
+        robot.description = self.description.model_copy(update={"pads": tuple(pads[name] for name in names)})
+        robot._place_pads()
+        return robot
+
+    def _alike(self) -> RobotModel:
+        robot = object.__new__(RobotModel)
+        robot.__dict__.update(self.__dict__)
+        return robot
 
     @property
     def synergies(self) -> Array:
@@ -253,6 +278,30 @@ class RobotModel:
         first = sum(len(other.patch.parameters) for other in pads[:number])
         parameters = slice(first, first + len(pad.patch.parameters))
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)
+
+
+def _mounted(model: Any, T_world_root: Array) -> Any:
+    """Return a copy of a Pinocchio model whose root stands at a pose: joints and frames that the world carries move."""
+    copied, mount = pin.Model(model), pin.SE3(T_world_root)
+    for joint in range(1, copied.njoints):
+        if copied.parents[joint] == 0:
+            copied.jointPlacements[joint] = mount * copied.jointPlacements[joint]
+    for frame in list(copied.frames)[1:]:  # the first one is the world itself
+        if frame.parentJoint == 0:
+            frame.placement = mount * frame.placement
+    return copied
+
+
+@lru_cache(maxsize=8)
+def _built(content: str, urdf: str) -> RobotModel:
+    """Return the robot of a robot file's content (JSON), built once a process for the digest of its URDF."""
+    del urdf
+    return RobotModel(RobotDescription.model_validate_json(content))
+
+
+def _rebuilt(content: str, urdf: str, pads: tuple[str, ...], T_world_root: Array) -> RobotModel:
+    """Return a pickled robot."""
+    return _built(content, urdf).with_pads(pads).mounted(T_world_root)
 
 
 def _wrap(angle: float) -> float:

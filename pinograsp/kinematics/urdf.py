@@ -1,11 +1,7 @@
-"""The URDF as Pinocchio gets it: composed, mounted, with continuous joints made revolute.
+"""The URDF as Pinocchio gets it: composed, with continuous joints made revolute.
 
-Everything happens on the XML in memory:
-
-- a new root link carries the robot's root link at the mounting pose, so that joints, frames and geometry
-  are mounted together;
-- continuous joints become revolute with +-2 pi: Pinocchio would describe them by (cos, sin), which an
-  optimiser with bounds cannot use, and forward kinematics are the same.
+Everything happens on the XML in memory. Continuous joints become revolute with +-2 pi: Pinocchio would describe them by
+(cos, sin), which an optimiser with bounds cannot use, and forward kinematics are the same.
 """
 
 from __future__ import annotations
@@ -14,12 +10,9 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 
-from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import Mimic, mimics_of, read_urdf
 from ..errors import InputError, close_names
-
-MOUNT = "pinograsp_mounting"
 
 
 @dataclass(frozen=True)
@@ -39,12 +32,8 @@ class PreparedUrdf:
     """Whether every file has an SRDF; else it is not known of all pairs whether they may touch."""
 
 
-def prepare(description: RobotDescription, T_world_root: Array) -> PreparedUrdf:
-    """Read, compose, check and mount the URDF of a robot.
-
-    Args:
-        description: the robot file.
-        T_world_root: pose of the URDF's root link in the world, shape (4, 4).
+def prepare(description: RobotDescription) -> PreparedUrdf:
+    """Read, compose and check the URDF of a robot.
 
     Raises:
         InputError: a URDF or SRDF cannot be parsed or used, or a mesh is not found.
@@ -66,7 +55,6 @@ def prepare(description: RobotDescription, T_world_root: Array) -> PreparedUrdf:
         for visual in link.findall("visual"):
             link.remove(visual)
     meshes = tuple(mesh.get("filename", "") for mesh in tree.iterfind("link/collision/geometry/mesh"))
-    _mount(tree, urdf.root, T_world_root)
     return PreparedUrdf(urdf.xml, links, movable, mimics, meshes, frozenset(urdf.disabled), urdf.complete)
 
 
@@ -77,25 +65,6 @@ def _bound(joint: ET.Element) -> None:
         limit = ET.SubElement(joint, "limit", effort="0", velocity="0")
     limit.set("lower", repr(-2 * math.pi))
     limit.set("upper", repr(2 * math.pi))
-
-
-def _mount(root: ET.Element, base: str, T: Array) -> None:
-    R = T[:3, :3]
-    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
-    if math.hypot(R[0, 0], R[1, 0]) > 1e-9:
-        roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
-    else:
-        roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
-    ET.SubElement(root, "link", name=MOUNT)
-    joint = ET.SubElement(root, "joint", name=f"{MOUNT}_joint", type="fixed")
-    ET.SubElement(
-        joint,
-        "origin",
-        xyz=" ".join(repr(float(v)) for v in T[:3, 3]),
-        rpy=" ".join(repr(v) for v in (roll, pitch, yaw)),
-    )
-    ET.SubElement(joint, "parent", link=MOUNT)
-    ET.SubElement(joint, "child", link=base)
 
 
 def require(name: str, known: list[str], what: str, key: str, description: RobotDescription) -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import Any
 
 import coal
 import numpy as np
 
 from ..arrays import Array
-from ..collision.allowed_pairs import always_near, excused_links
-from ..collision.solids import Solid, distance_request, robot_solids, self_pairs
+from ..collision.allowed_pairs import allowed_pairs, always_near, pairs_apart
+from ..collision.solids import distance_request
+from ..collision.world import Body, BodyKey
 from ..descriptions.scene import Margins
 from ..descriptions.urdf import RobotUrdf
 from ..kinematics.forward import forward
@@ -30,24 +33,23 @@ def collision_findings(
 ) -> Iterator[Finding]:
     """Look for links that collide, with the margin that a task has if it gives none."""
     margin = Margins().robot
-    solids = robot_solids(robot)
-    excused = excused_links(robot, solids, margin)
-    pairs = self_pairs(robot, solids, excused)
+    allowed = allowed_pairs(robot, margin)
+    pairs = pairs_apart(robot, allowed)
     if urdf.complete:
         remedy = (
             'Excuse the pair in the SRDF (reason="Always"), or leave the srdf out: then pairs are found by sampling'
         )
-        for words in sorted(map(_words, always_near(robot, solids, pairs, margin))):
+        for words in sorted(_words(_names(pair)) for pair in always_near(robot, pairs, margin)):
             what = f"{words} are nearer than {1e3 * margin:g} mm in every posture: no grasp can be found"
             yield Finding("wrong", what, remedy)
     else:
-        yield _found_without_srdf(excused - robot.urdf.disabled_pairs, kinematics)
+        yield _found_without_srdf(frozenset(map(_names, allowed)) - robot.urdf.disabled_pairs, kinematics)
     middle = 0.5 * (robot.lower + robot.upper)
     neutral = np.where(np.abs(middle) < CENTRAL * 0.5 * (robot.upper - robot.lower), 0.0, middle)
     found = []
     for name, posture in (("joints at zero", neutral), ("joints in mid-range", middle)):
         placed = Placed(dict(meshes), kinematics.poses(robot.joints_by_name(posture)))
-        found += list(_overlapping(name, _overlaps(robot, solids, pairs, posture), placed, meshes))
+        found += list(_overlapping(name, _overlaps(robot, pairs, posture), placed, meshes))
     yield from found
     if not found:
         yield Finding("ok", "no self-collision with joints at zero or in mid-range")
@@ -76,26 +78,31 @@ def _found_without_srdf(excused: frozenset[Links], kinematics: Kinematics) -> Fi
     return Finding("ok", what)
 
 
-def _overlaps(
-    robot: RobotModel, solids: list[Solid], pairs: list[tuple[int, int]], posture: Array
-) -> dict[Links, float]:
+def _overlaps(robot: RobotModel, pairs: list[tuple[Body, Body]], posture: Array) -> dict[Links, float]:
     """Return the links whose solids overlap in a posture, and how deep, m."""
     configuration, request = forward(robot, robot.model.createData(), posture), distance_request()
-    poses = []
-    for solid in solids:
-        R, p = configuration.rotations[solid.joint], configuration.translations[solid.joint]
-        poses.append(coal.Transform3s(R @ solid.placement[:3, :3], R @ solid.placement[:3, 3] + p))
+
+    def placed(body: Body) -> list[tuple[Any, Any]]:
+        """Return the shapes of a link with their poses."""
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = configuration.rotations[body.joint], configuration.translations[body.joint]
+        poses = [T @ body.pose @ solid.placement for solid in body.solids]
+        shapes = (solid.shape for solid in body.solids)
+        return [(shape, coal.Transform3s(P[:3, :3], P[:3, 3])) for shape, P in zip(shapes, poses, strict=True)]
+
     found: dict[Links, float] = {}
-    for a, b in pairs:
-        depth = -coal.distance(solids[a].shape, poses[a], solids[b].shape, poses[b], request, coal.DistanceResult())
-        if depth > 0.0:
-            links = _links(solids[a], solids[b])
-            found[links] = max(float(depth), found.get(links, 0.0))
+    for first, second in pairs:
+        depths = [
+            -float(coal.distance(*a, *b, request, coal.DistanceResult()))
+            for a, b in product(placed(first), placed(second))
+        ]
+        if (depth := max(depths)) > 0.0:
+            found[frozenset((first.name, second.name))] = depth
     return found
 
 
-def _links(first: Solid, second: Solid) -> Links:
-    return frozenset((first.name, second.name))
+def _names(pair: frozenset[BodyKey]) -> Links:
+    return frozenset(key.name for key in pair)
 
 
 def _words(links: Links) -> str:

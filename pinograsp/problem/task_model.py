@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.distances import CollisionModel
+from ..collision.scene_world import task_world
 from ..descriptions import SceneDescription, TaskDescription, robot_for
 from ..descriptions.robot import SoftFinger
 from ..geometry.regions import membership
@@ -21,9 +22,10 @@ class TaskModel:
     def __init__(self, robot: RobotModel, scene: SceneDescription, task_name: str) -> None:
         self.scene, self.task_name = scene, task_name
         self.task: TaskDescription = scene.task(task_name)
-        self.robot = RobotModel(robot_for(robot.description, scene, task_name), scene.mounting.matrix)
+        pads = tuple(pad.name for pad in robot_for(robot.description, scene, task_name).pads)
+        self.robot = robot.with_pads(pads).mounted(scene.mounting.matrix)
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
-        self.collisions = CollisionModel(self.robot, scene, self.task)
+        self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         target = scene.objects[self.task.object]
         self.surface = surface_of(target.shape)
         self.T_world_object = target.pose.matrix

@@ -16,7 +16,8 @@ import math
 import numpy as np
 
 from ...arrays import Array, Indices
-from ...collision.distances import REACH, Pair
+from ...collision.distances import REACH
+from ...collision.pairs import Pair
 from ...compiled import compiled
 from ..state import State
 from ..task_model import TaskModel

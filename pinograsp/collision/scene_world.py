@@ -1,0 +1,47 @@
+"""The world of a scene: of its enclosure alone, and of one of its tasks."""
+
+from __future__ import annotations
+
+from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions.scene import Margins
+from ..kinematics.robot import RobotModel
+from .allowed_pairs import allowed_pairs
+from .solids import link_bodies, scene_body, wall_bodies
+from .world import World
+
+SLACK = 2e-5
+"""Kept on top of a task's margins, m: a certificate sees round primitives as facets that stand a bit outside them."""
+
+
+def enclosure_world(robot: RobotModel, scene: SceneDescription, margins: Margins) -> World:
+    """Return the robot, the walls and the fixed obstacles of a scene; objects are left out.
+
+    Args:
+        robot: mounted as the scene says.
+        scene: the scene.
+        margins: least distances.
+    """
+    obstacles = [scene_body("obstacle", name, body) for name, body in scene.obstacles.items()]
+    return World(
+        bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles),
+        margins={"wall": margins.enclosure, "obstacle": margins.enclosure, "link": margins.robot},
+        allowed=allowed_pairs(robot, margins.robot),
+    )
+
+
+def task_world(robot: RobotModel, scene: SceneDescription, task: TaskDescription) -> World:
+    """Return the robot, the walls, the object of a task, and all that is an obstacle in it: the other objects too.
+
+    Args:
+        robot: mounted as the scene says.
+        scene: the scene.
+        task: one of its tasks.
+    """
+    obstacles = [scene_body("obstacle", name, body) for name, body in scene.bodies_besides(task).items()]
+    target = scene_body("target", task.object, scene.objects[task.object])
+    around = task.margin.enclosure + SLACK
+    return World(
+        bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles, target),
+        margins={"wall": around, "obstacle": around, "target": 0.0, "link": task.margin.robot + SLACK},
+        allowed=allowed_pairs(robot, task.margin.robot),
+    )
