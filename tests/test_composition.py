@@ -143,7 +143,9 @@ def chain(write: Write) -> RobotModel:
 def verified_poses(robot: RobotModel, joints: dict[str, float]) -> dict[str, Array]:
     """Return the link poses that the verification computes."""
     description = robot.description
-    kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), robot.T_world_root, Path("x"))
+    kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), Path("x")).mounted(
+        robot.T_world_root
+    )
     return kinematics.poses(joints)
 
 
@@ -204,10 +206,10 @@ def test_planning_with_a_rail(chain: RobotModel) -> None:
 
 def test_collision_bodies_of_every_part_are_there(chain: RobotModel, make_toy_scene: Any) -> None:
     verifier = Verifier(chain.description, make_toy_scene(), "ball")
-    assert set(verifier._meshes) == {"carriage", "arm_upper", "hand_base", "hand_left", "hand_right"}
+    assert set(verifier._robot.meshes) == {"carriage", "arm_upper", "hand_base", "hand_left", "hand_right"}
     geometry = pin.buildGeomFromUrdfString(chain.model, chain.urdf.xml, pin.COLLISION)
     links = {chain.model.frames[item.parentFrame].name for item in geometry.geometryObjects}
-    assert links == set(verifier._meshes)
+    assert links == set(verifier._robot.meshes)
 
 
 # ---- names, subtrees, files
@@ -309,7 +311,7 @@ def test_meshes_are_looked_up_beside_the_urdf_that_names_them(
     shutil.move(tmp_path / "hand.urdf", tmp_path / "parts" / "hand.urdf")
     robot = load_robot(file)
     extents = {}
-    for link, mesh in Verifier(robot.description, make_toy_scene(), "ball")._meshes.items():
+    for link, mesh in Verifier(robot.description, make_toy_scene(), "ball")._robot.meshes.items():
         extents[link] = float(np.ptp(mesh.hull, axis=0).max())
     assert extents == pytest.approx(
         {"carriage": 0.08, "arm_upper": 0.08, "hand_base": 0.02, "hand_left": 0.02, "hand_right": 0.02}
@@ -581,7 +583,7 @@ def test_faces_of_the_paper_hand_carry_the_contact_lines(paper: RobotModel, glov
 
     So contact at the pad keeps the phalanx off the object, and there is no distance between the two.
     """
-    meshes = Verifier(paper.description, glovebox, "sphere")._meshes
+    meshes = Verifier(paper.description, glovebox, "sphere")._robot.meshes
     for pad in paper.description.pads:
         local = (meshes[pad.link].hull - pad.patch.origin) @ pad.patch.rotation
         low, high = local.min(axis=0), local.max(axis=0)

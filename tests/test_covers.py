@@ -83,7 +83,7 @@ Meshes = dict[str, tuple[Any, Array]]
 @pytest.fixture(scope="module")
 def meshes(gen3: RobotModel, glovebox: SceneDescription) -> Meshes:
     """Coal's tree of every link's meshes and their triangles, link frame, as the verification has them."""
-    found = Verifier(gen3.description, glovebox, "sphere")._meshes
+    found = Verifier(gen3.description, glovebox, "sphere")._robot.meshes
     return {link: (mesh.solid, mesh.triangles) for link, mesh in found.items()}
 
 

@@ -233,7 +233,7 @@ def test_judgement_agrees_with_the_model_on_whole_robots(name: str, request: pyt
     """Contact points and normals of the model, judged with link poses that the verification computes itself."""
     robot: RobotModel = request.getfixturevalue(name)
     description, rng = robot.description, np.random.default_rng(3)
-    kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), np.eye(4), description.urdf_file)
+    kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), description.urdf_file)
     for _ in range(5):
         posture = rng.uniform(robot.lower, robot.upper)
         contacts = contact_kinematics(

@@ -22,7 +22,8 @@ from pinograsp.errors import InputError
 from pinograsp.verification import Certificate, Claim, Figure, Verifier
 from pinograsp.verification.clearance import Placed, self_figure, shape_figure
 from pinograsp.verification.contacts import Pads
-from pinograsp.verification.meshes import LinkMesh, _link_mesh, _placed
+from pinograsp.verification.link_mesh import LinkMesh
+from pinograsp.verification.meshes import _link_mesh, _placed
 from pinograsp.verification.shapes import PlacedShape
 
 Array = NDArray[np.float64]
@@ -96,7 +97,7 @@ def test_wall_clearance_is_that_of_all_vertices(glovebox: Verifier) -> None:
         points = np.concatenate(
             [
                 mesh.triangles.reshape(-1, 3) @ poses[link][:3, :3].T + poses[link][:3, 3]
-                for link, mesh in glovebox._meshes.items()
+                for link, mesh in glovebox._robot.meshes.items()
                 if link != "base_link"
             ]
         )
@@ -123,7 +124,7 @@ def measure(mesh: LinkMesh, shape: PlacedShape) -> float:
 def test_distance_to_a_sphere_agrees_with_trimesh(glovebox: Verifier) -> None:
     radius, rng = 0.02, np.random.default_rng(3)
     seen = []
-    for mesh in glovebox._meshes.values():
+    for mesh in glovebox._robot.meshes.values():
         faces = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
         skin = trimesh.Trimesh(mesh.triangles.reshape(-1, 3), faces, process=False)
         # The ball sticks in the hull at most, its centre stays outside.
@@ -388,7 +389,7 @@ def test_arm_through_a_wall(case: Case) -> None:
 
 @pytest.mark.parametrize("shape", [{"type": "sphere", "radius": 0.02}, {"type": "box", "size": [0.05] * 3}])
 def test_obstacles(case: Case, verifier: Verifier, shape: dict[str, Any]) -> None:
-    forearm = Placed(verifier._meshes, verifier._kinematics.poses(case.claim.joints)).centers["forearm_link"]
+    forearm = Placed(verifier._robot.meshes, verifier._kinematics.poses(case.claim.joints)).centers["forearm_link"]
     scenes = []
     for position in (forearm, case.center + 1.5):
         obstacle = {"shape": shape, "pose": {"position": list(position)}}

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
@@ -43,7 +41,7 @@ def check_robot(description: RobotDescription) -> Report:
         if unusable:
             return Report(unusable)
         robot = RobotModel(description)
-        kinematics = Kinematics(parsed(urdf, description.urdf_file), np.eye(4), description.urdf_file)
+        kinematics = Kinematics(parsed(urdf, description.urdf_file), description.urdf_file)
         meshes = read_meshes(parsed(urdf, description.urdf_file), description)
         figures = link_figures(robot, meshes)
     except InputError as error:

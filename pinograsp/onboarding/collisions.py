@@ -19,7 +19,7 @@ from ..kinematics.forward import forward
 from ..kinematics.robot import RobotModel
 from ..verification.clearance import Placed, mesh_distance
 from ..verification.kinematics import Kinematics
-from ..verification.meshes import LinkMesh
+from ..verification.link_mesh import LinkMesh
 from .findings import Finding, in_words
 
 CENTRAL = 0.9

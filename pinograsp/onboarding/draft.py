@@ -58,7 +58,7 @@ def draft(composition: Composition, tip: str | None) -> Draft:
         require_link(tree, tip, "--tip")
     chain = find_chain(tree, file, tip, hand)
     read = parsed(urdf, file)
-    kinematics = Kinematics(read, np.eye(4), file)
+    kinematics = Kinematics(read, file)
     moved = {tree.body(joint.child) for joint in tree.carried(chain.palm) if (joint.leader or joint.name) in chain.hand}
     meshes = read_meshes(read, composition)
     facets = [facet for link, mesh in meshes.items() if tree.body(link) in moved for facet in facets_of(mesh)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..verification.meshes import LinkMesh
+from ..verification.link_mesh import LinkMesh
 from .rectangles import largest_rectangle
 
 FLAT = 1e-4

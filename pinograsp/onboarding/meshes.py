@@ -11,7 +11,7 @@ import trimesh
 from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
 from ..kinematics.robot import RobotModel
-from ..verification.meshes import LinkMesh
+from ..verification.link_mesh import LinkMesh
 from .excess import link_covers
 from .findings import Finding, LinkFigures, in_words
 

@@ -12,7 +12,7 @@ from ..descriptions.robot import PadDescription
 from ..geometry.mesh_surface import MeshSurface
 from ..geometry.patches import patch_point
 from ..kinematics.robot import RobotModel
-from ..verification.meshes import LinkMesh
+from ..verification.link_mesh import LinkMesh
 from .findings import Finding
 
 OFF = 0.001

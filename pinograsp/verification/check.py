@@ -8,27 +8,24 @@ from dataclasses import replace
 import numpy as np
 
 from ..descriptions import RobotDescription, SceneDescription, robot_for
-from ..descriptions.urdf import read_urdf
 from ..errors import InputError, close_names
 from .certificate import Certificate, Figure
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, region_figure
 from .forces import balance_figures, force_figures
-from .joints import joint_limits, limits_figure, mimic_figure
-from .kinematics import Kinematics, Poses, parsed
-from .meshes import read_meshes
-from .pairs import link_pairs
+from .joints import limits_figure, mimic_figure
+from .kinematics import Kinematics, Poses
 from .preferences import approach_figure, ranges_figure
+from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
 from .synergies import Synergies
-from .without_srdf import Sampling
 
 _LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
 
 
 class Verifier:
-    """Checks grasps of one robot at one task; reads URDF, SRDF and meshes once.
+    """Checks grasps of one robot at one task; URDF, SRDF and meshes are read once for all tasks of a robot file.
 
     Args:
         robot: the robot file.
@@ -40,32 +37,21 @@ class Verifier:
     """
 
     def __init__(self, robot: RobotDescription, scene: SceneDescription, task_name: str) -> None:
+        read = read_robot(robot)
+        self._robot = read
         self._task = scene.task(task_name)
         self._pads = robot_for(robot, scene, task_name).pads
         self._walls = scene.enclosure.walls
-        composed = read_urdf(robot)
-        urdf = parsed(composed, robot.urdf_file)
-        self._kinematics = Kinematics(urdf, scene.mounting.matrix, robot.urdf_file)
-        self._limits = joint_limits(self._kinematics.joints, robot)
-        self._synergies = Synergies.of(robot, self._kinematics.joints)
-        self._wrist = robot.arm.wrist
-        self._endless = {name for name in robot.arm.joints if name not in self._limits}
-        self._meshes = read_meshes(urdf, robot)
-        _require_known(robot, self._kinematics)
-        _require_ranges_known(scene, task_name, self._kinematics, self._synergies)
-        sampling = Sampling(self._kinematics, robot, self._synergies, self._limits)
-        self._enabled, self._never = link_pairs(self._meshes, composed, sampling, self._task.margin.robot)
-        # Links fixed to the root do not move: whether the mounting is free is not a matter of the grasp.
-        self._moving = [mesh for mesh in self._meshes.values() if self._kinematics.moves(mesh.link)]
-        if not self._moving:
-            raise InputError("no moving link has collision geometry, nothing can be verified", file=robot.urdf_file)
+        self._kinematics = read.kinematics.mounted(scene.mounting.matrix)
+        _require_ranges_known(scene, task_name, self._kinematics, read.synergies)
+        self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
         self._center_of_mass = body.center_of_mass_world
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
-        self._target_pairs = [(mesh, self._target) for mesh in self._meshes.values()]
-        self._obstacle_pairs = [(mesh, obstacle) for mesh in self._moving for obstacle in obstacles]
+        self._target_pairs = [(mesh, self._target) for mesh in read.meshes.values()]
+        self._obstacle_pairs = [(mesh, obstacle) for mesh in read.moving for obstacle in obstacles]
 
     def check(self, claim: Claim) -> Certificate:
         """Recompute every figure of a claim.
@@ -90,34 +76,34 @@ class Verifier:
             joints: every movable joint of the URDF by name, rad (m).
         """
         poses = self._kinematics.poses(joints)
-        return Certificate(tuple(self._clearances(poses, Placed(self._meshes, poses))))
+        return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
         joints = self._kinematics.joints
-        placed = Placed(self._meshes, poses)
+        placed = Placed(self._robot.meshes, poses)
         figures = self._clearances(poses, placed)
         figures.append(shape_figure("object clearance", self._target_pairs, placed, -PENETRATION))
         figures += self._statics(claim, poses)
-        if self._limits:
-            figures.append(limits_figure(self._limits, claim.joints))
+        if self._robot.limits:
+            figures.append(limits_figure(self._robot.limits, claim.joints))
         figures.append(mimic_figure(joints, claim.joints))
-        synergies = self._synergies.figure(claim.joints)
+        synergies = self._robot.synergies.figure(claim.joints)
         return [*figures, *([] if synergies is None else [synergies]), *self._preferences(claim, poses)]
 
     def _preferences(self, claim: Claim, poses: Poses) -> list[Figure]:
         figures = []
         if self._task.approach is not None:
-            pose = poses[self._wrist]
-            figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._wrist))
+            pose = poses[self._robot.arm.wrist]
+            figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._robot.arm.wrist))
         if self._task.joint_ranges:
-            positions = self._synergies.values(claim.joints) | claim.joints
-            figures.append(ranges_figure(self._task.joint_ranges, positions, self._endless))
+            positions = self._robot.synergies.values(claim.joints) | claim.joints
+            figures.append(ranges_figure(self._task.joint_ranges, positions, self._robot.endless))
         return figures
 
     def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
         margin = self._task.margin
-        figures = [enclosure_figure(self._moving, self._walls, poses, margin.enclosure)]
+        figures = [enclosure_figure(self._robot.moving, self._walls, poses, margin.enclosure)]
         if self._obstacle_pairs:
             limit = margin.enclosure - 1e-6
             figures.append(shape_figure("obstacle clearance", self._obstacle_pairs, placed, limit))
@@ -154,22 +140,6 @@ class Verifier:
             raise InputError(f"the claim must have points and forces of shape ({contacts}, 3), one a pad")
         if claim.spin_torques.shape != (contacts,):
             raise InputError(f"the claim must have spin torques of shape ({contacts},), one a pad")
-
-
-def _require_known(robot: RobotDescription, kinematics: Kinematics) -> None:
-    """Refuse a robot file that names joints or links which the URDF does not have."""
-    joints = {joint.name for joint in kinematics.joints}
-    used = {"arm": robot.arm.joints, "hand": (*sorted(robot.hand.joints), *robot.hand.rest)}
-    for key, names in used.items():
-        for name in names:
-            if name not in joints:
-                remedy = close_names(name, sorted(joints))
-                raise InputError(f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy)
-    links = [("arm.wrist", robot.arm.wrist), *(("pads", pad.link) for pad in robot.pads)]
-    for key, link in links:
-        if link not in kinematics.body:
-            remedy = close_names(link, sorted(kinematics.body))
-            raise InputError(f"the URDF has no link {link!r}", file=robot.source, key=key, remedy=remedy)
 
 
 def _require_ranges_known(

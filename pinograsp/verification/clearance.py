@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from .certificate import Figure
 from .kinematics import Poses
-from .meshes import LinkMesh
+from .link_mesh import LinkMesh
 from .shapes import PENETRATION, PlacedShape
 
 Walls = dict[str, tuple[Array, float]]

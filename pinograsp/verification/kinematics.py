@@ -6,6 +6,7 @@ joints included) and needs a twentieth of the time of yourdfpy's scene graph.
 
 from __future__ import annotations
 
+import copy
 import io
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,16 +49,15 @@ def parsed(urdf: RobotUrdf, file: Path) -> Any:
 
 
 class Kinematics:
-    """The tree of links and joints, its root at a given pose in the world.
+    """The tree of links and joints, its root at the world's origin until it is mounted.
 
     Args:
         urdf: as `parsed` returns it.
-        T_world_root: pose of the URDF's root link, shape (4, 4).
         file: the URDF, named in errors.
     """
 
-    def __init__(self, urdf: Any, T_world_root: Array, file: Path) -> None:
-        self._T_world_root = T_world_root
+    def __init__(self, urdf: Any, file: Path) -> None:
+        self._T_world_root: Array = np.eye(4)
         self._tree = _from_root_outwards(urdf, file)
         self.root: str = self._tree[0].parent if self._tree else next(iter(urdf.link_map))
         self.joints = tuple(_joint(joint) for joint in self._tree if joint.type in _MOVABLE)
@@ -73,6 +73,12 @@ class Kinematics:
         self._skew -= self._skew.transpose(0, 2, 1)
         self._skew_squared = self._skew @ self._skew
         self.body = self._bodies()
+
+    def mounted(self, T_world_root: Array) -> Kinematics:
+        """Return the same tree with its root at a pose in the world, shape (4, 4)."""
+        tree = copy.copy(self)
+        tree._T_world_root = T_world_root
+        return tree
 
     def _bodies(self) -> dict[str, str]:
         """Return for every link the first link of its body: links joined by fixed joints are one body."""

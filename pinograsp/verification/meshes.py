@@ -1,73 +1,60 @@
-"""The original collision meshes of a URDF, as trimesh reads them and as Coal measures them."""
+"""The original collision meshes of a URDF, as trimesh reads them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import coal
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..descriptions.robot import Composition
 from ..errors import InputError
+from .link_mesh import LinkMesh, kept
 
 _SECTIONS = 128
 
 
-@dataclass(frozen=True)
-class LinkMesh:
-    """All collision geometry of one link as one triangle mesh; link frame, metres."""
-
-    link: str
-    solid: Any
-    """Coal's tree of the triangles."""
-    triangles: Array
-    """Shape (triangles, 3 corners, 3)."""
-    hull: Array
-    """Corners of the convex hull, shape (corners, 3)."""
-    hull_faces: tuple[Array, Array]
-    """Outward normals n, shape (faces, 3), and offsets d, shape (faces,): inside n . p <= d."""
-    members: Array
-    """One vertex of every connected part, shape (parts, 3)."""
-    center: Array
-    """Centre of the bounding sphere, shape (3,)."""
-    radius: float
-
-    def surrounds(self, points: Array) -> bool:
-        """Whether one of the points, shape (n, 3), link frame, lies in what the mesh encloses.
-
-        Distances to a mesh are distances to its skin; this tells when a body sits wholly under it. The
-        winding number decides, which small holes in a mesh do not spoil.
-        """
-        normals, offsets = self.hull_faces
-        candidates = points[(points @ normals.T <= offsets).all(axis=1)]
-        return any(abs(self.winding_number(point)) > 0.5 for point in candidates)
-
-    def winding_number(self, point: Array) -> float:
-        """Sum of the solid angles of all triangles over 4 pi (van Oosterom and Strackee 1983)."""
-        a, b, c = (self.triangles - point).transpose(1, 0, 2)
-        la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
-        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", first, second) for first, second in ((a, b), (b, c), (c, a))]
-        angles = 2 * np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
-        return float(angles.sum() / (4 * np.pi))
-
-
 def read_meshes(urdf: Any, robot: Composition) -> dict[str, LinkMesh]:
-    """Read the collision geometry of every link that has any.
+    """Read the collision geometry of every link that has any; it is kept in the user's cache folder.
 
     Raises:
         InputError: a mesh cannot be read.
     """
     return {
-        name: _link_mesh(name, [_placed(collision, name, robot) for collision in link.collisions])
+        name: kept(name, _content(link.collisions, name), partial(_of_collisions, link.collisions, name, robot))
         for name, link in urdf.link_map.items()
         if link.collisions
     }
+
+
+def _of_collisions(collisions: list[Any], link: str, robot: Composition) -> LinkMesh:
+    return _link_mesh(link, [_placed(collision, link, robot) for collision in collisions])
+
+
+def _content(collisions: list[Any], link: str) -> bytes:
+    """Return all that decides the mesh of a link: what the URDF says, and the mesh files."""
+    parts = []
+    for collision in collisions:
+        geometry, origin = collision.geometry, collision.origin
+        shapes = (geometry.mesh, geometry.box, geometry.sphere, geometry.cylinder)
+        numbers = [
+            {name: _exact(value) for name, value in vars(shape).items()} for shape in shapes if shape is not None
+        ]
+        parts.append(repr((numbers, _exact(origin))).encode())
+        if geometry.mesh is not None:
+            try:
+                parts.append(Path(geometry.mesh.filename).read_bytes())
+            except OSError as error:
+                raise _unreadable(Path(geometry.mesh.filename), link, error) from None
+    return b"\0".join(parts)
+
+
+def _exact(value: Any) -> Any:
+    """Return an array as nested lists, whose text keeps every digit; anything else as it is."""
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _placed(collision: Any, link: str, robot: Composition) -> Any:
@@ -100,7 +87,11 @@ def _read(file: str, link: str) -> Any:
         # Without texture and colours, which keep vertices apart that are one.
         return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
-        raise InputError(f"the collision mesh of link {link} cannot be read: {error}", file=Path(file)) from None
+        raise _unreadable(Path(file), link, error) from None
+
+
+def _unreadable(file: Path, link: str, error: Exception) -> InputError:
+    return InputError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:
@@ -113,24 +104,14 @@ def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:
     center = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return LinkMesh(
         link=link,
-        solid=_tree(vertices, faces),
-        triangles=vertices[faces],
+        vertices=vertices,
+        faces=faces,
         hull=corners,
         hull_faces=(normals, np.einsum("ij,ij->i", normals, hull.triangles_center)),
         members=_members(mesh),
         center=center,
         radius=float(np.linalg.norm(corners - center, axis=1).max()),
     )
-
-
-def _tree(vertices: Array, faces: NDArray[np.int64]) -> Any:
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(faces), len(vertices))
-    tree.addVertices(vertices)
-    tree.addTriangles(faces)
-    tree.endModel()
-    tree.computeLocalAABB()
-    return tree
 
 
 def _members(mesh: Any) -> Array:

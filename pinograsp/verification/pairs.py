@@ -6,7 +6,7 @@ from itertools import combinations
 
 from ..descriptions.urdf import RobotUrdf
 from .clearance import LinkPair
-from .meshes import LinkMesh
+from .link_mesh import LinkMesh
 from .without_srdf import Sampling, sorted_out
 
 _EXCUSED = {"adjacent", "default", "always", "user"}

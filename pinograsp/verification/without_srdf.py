@@ -13,7 +13,7 @@ from itertools import islice
 
 import numpy as np
 
-from ..descriptions import RobotDescription
+from ..descriptions.robot import ArmDescription, HandDescription
 from .clearance import LinkPair, Placed, mesh_distance
 from .joints import Limits
 from .kinematics import Kinematics
@@ -32,7 +32,8 @@ class Sampling:
     """The postures that are tried: of arm and hand, the same every time; other joints stay at rest."""
 
     kinematics: Kinematics
-    robot: RobotDescription
+    arm: ArmDescription
+    hand: HandDescription
     synergies: Synergies
     limits: Limits
     """Of the joints, rad (m); a joint without limits makes one turn."""
@@ -45,12 +46,12 @@ class Sampling:
 
     def in_hand(self, pair: LinkPair) -> bool:
         """Whether nothing but the hand's joints moves two links against each other."""
-        return self.kinematics.moved_by(*(mesh.link for mesh in pair)) <= self.robot.hand.joints
+        return self.kinematics.moved_by(*(mesh.link for mesh in pair)) <= self.hand.joints
 
     def _postures(self) -> Iterator[dict[str, float]]:
         rng = np.random.default_rng(1)
         limits = self.limits | self.synergies.limits(self.limits)
-        names = [*self.robot.arm.joints, *self.synergies.names]
+        names = [*self.arm.joints, *self.synergies.names]
         while True:
             drawn = {name: rng.uniform(*limits.get(name, (-math.pi, math.pi))) for name in names}
             yield self.kinematics.followed(drawn | self.synergies.angles(drawn))

@@ -1,0 +1,120 @@
+"""All collision geometry of one link as one triangle mesh, measured by Coal, and kept in the user's cache folder."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..disk import cache_folder, digest, write_whole
+from ..errors import InputError
+
+VERSION = 1
+"""Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
+
+
+@dataclass(frozen=True)
+class LinkMesh:
+    """A link; link frame, metres."""
+
+    link: str
+    vertices: Array
+    """Shape (vertices, 3)."""
+    faces: NDArray[np.int64]
+    """Shape (triangles, 3)."""
+    hull: Array
+    """Corners of the convex hull, shape (corners, 3)."""
+    hull_faces: tuple[Array, Array]
+    """Outward normals n, shape (faces, 3), and offsets d, shape (faces,): inside n . p <= d."""
+    members: Array
+    """One vertex of every connected part, shape (parts, 3)."""
+    center: Array
+    """Centre of the bounding sphere, shape (3,)."""
+    radius: float
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Shape (triangles, 3 corners, 3)."""
+        return np.asarray(self.vertices[self.faces])
+
+    @cached_property
+    def solid(self) -> Any:
+        """Coal's tree of the triangles; made when a distance is first measured."""
+        return _tree(self.vertices, self.faces)
+
+    def surrounds(self, points: Array) -> bool:
+        """Whether one of the points, shape (n, 3), link frame, lies in what the mesh encloses.
+
+        Distances to a mesh are distances to its skin; this tells when a body sits wholly under it. The
+        winding number decides, which small holes in a mesh do not spoil.
+        """
+        normals, offsets = self.hull_faces
+        candidates = points[(points @ normals.T <= offsets).all(axis=1)]
+        return any(abs(self.winding_number(point)) > 0.5 for point in candidates)
+
+    def winding_number(self, point: Array) -> float:
+        """Sum of the solid angles of all triangles over 4 pi (van Oosterom and Strackee 1983)."""
+        a, b, c = (self.triangles - point).transpose(1, 0, 2)
+        la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        dots = [np.einsum("ij,ij->i", first, second) for first, second in ((a, b), (b, c), (c, a))]
+        angles = 2 * np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+        return float(angles.sum() / (4 * np.pi))
+
+
+def _tree(vertices: Array, faces: NDArray[np.int64]) -> Any:
+    tree = coal.BVHModelOBBRSS()
+    tree.beginModel(len(faces), len(vertices))
+    tree.addVertices(vertices)
+    tree.addTriangles(faces)
+    tree.endModel()
+    tree.computeLocalAABB()
+    return tree
+
+
+def kept(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:
+    """Return the mesh of a link from the cache folder, or make it and keep it.
+
+    A damaged file is made again, and a folder that cannot be written costs time only.
+
+    Args:
+        link: its name.
+        content: all that decides the mesh.
+        make: makes it.
+    """
+    key = digest(b"%d " % VERSION + content)
+    file = cache_folder() / "meshes" / f"{key[:32]}.npz"
+    found = _load(file, link)
+    if found is None:
+        found = make()
+        stream = io.BytesIO()
+        arrays = {name: getattr(found, name) for name in _KEPT if name != "hull_faces"}
+        np.savez(stream, hull_normals=found.hull_faces[0], hull_offsets=found.hull_faces[1], **arrays)
+        with contextlib.suppress(InputError):
+            write_whole(file, stream.getvalue())
+    return found
+
+
+_KEPT = tuple(field.name for field in fields(LinkMesh) if field.name != "link")
+
+
+def _load(file: Path, link: str) -> LinkMesh | None:
+    """Return what a file holds, or None if it is not there or of no use."""
+    try:
+        with file.open("rb") as stream, np.load(stream) as data:
+            arrays = {name: data[name] for name in _KEPT if name != "hull_faces"}
+            arrays["radius"] = float(arrays["radius"])
+            return LinkMesh(link, hull_faces=(data["hull_normals"], data["hull_offsets"]), **arrays)
+    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
+        return None
