@@ -2,10 +2,11 @@
 
 Nothing here knows robots or geometry: a grasp is its contact points, normals and hand Jacobians
 (`contacts`), from which `statics` builds G, J, K, G_K^R, F_s, E_s, `barrier` the function V, `forces` its
-minimiser y*, and `sensitivity` the derivatives of V* and of the wrench residual.
+minimiser y*, `bound` what no V* is below, and `sensitivity` the derivatives of V* and of the wrench residual.
 """
 
 from .barrier import ForceLimits
+from .bound import least_cost, least_cost_parallel
 from .contacts import ContactDerivatives, ContactModels, Contacts
 from .forces import ForceSolution, solve_forces
 from .sensitivity import force_cost_gradient, residual_gradient
@@ -22,6 +23,8 @@ __all__ = [
     "Statics",
     "force_cost_gradient",
     "grasp_statics",
+    "least_cost",
+    "least_cost_parallel",
     "residual_gradient",
     "solve_forces",
 ]
