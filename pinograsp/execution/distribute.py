@@ -72,9 +72,7 @@ def distribute(
                 gone += 1
                 reason = f"{type(error).__name__}: {error}"
                 if not done and gone == HOPELESS:
-                    raise WorkerLostError(
-                        f"{gone} workers ended, one after the other, without a single outcome: {reason}"
-                    )
+                    raise WorkerLostError(f"{gone} workers ended in a row, without a single outcome: {reason}")
                 yield lost(item, reason)
                 continue
             done += 1
