@@ -41,6 +41,10 @@ class InputError(PinograspError):
         return (_rebuild, (self.problem, self.file, self.line, self.key, self.remedy))
 
 
+class WorkerLostError(PinograspError):
+    """A worker process ended twice over the same piece of work: killed, out of memory, or a library crashed."""
+
+
 def _rebuild(problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None) -> InputError:
     return InputError(problem, file=file, line=line, key=key, remedy=remedy)
 

@@ -23,6 +23,7 @@ from paper.runs import Session
 from paper.store import Store, key_of
 from pinograsp.descriptions import SceneDescription
 from pinograsp.problem import GraspProblem, TaskModel
+from pinograsp.solve.backends import Program
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -299,6 +300,26 @@ def test_other_algorithms_run(ball_session: Session, monkeypatch: pytest.MonkeyP
     assert isinstance(table, Table)
     names = ["the planner", *(recipe.name for recipe in recipes)]
     assert [row[:2] for row in table.rows] == [(kind, name) for kind in ("projected", "raw") for name in names]
+
+
+def test_equalities_become_pairs_with_slack() -> None:
+    slope = np.array([[1.0, 2.0]])
+    program = Program(
+        start=np.zeros(2),
+        lower=np.full(2, -1.0),
+        upper=np.full(2, 1.0),
+        cost=lambda z: (0.0, np.zeros(2)),
+        equalities=lambda z: (slope @ z - 0.3, slope),
+        inequalities=lambda z: (z[:1], np.array([[1.0, 0.0]])),
+        equality_count=1,
+        inequality_count=1,
+    )
+    pairs = algorithms.with_pairs(program, 0.1)
+    assert (pairs.equality_count, pairs.inequality_count) == (0, 3)
+    values, jacobian = pairs.inequalities(np.array([0.5, 0.0]))
+    np.testing.assert_allclose(values, [0.5, 0.1, -0.3])
+    np.testing.assert_array_equal(jacobian, [[1.0, 0.0], [1.0, 2.0], [-1.0, -2.0]])
+    assert pairs.equalities(np.zeros(2))[0].shape == (0,)
 
 
 def test_simple_way_runs(ball_session: Session, result: pinograsp.Result, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import pinograsp
 from pinograsp.database import region, spread_selection
 from pinograsp.database.store import Database
-from pinograsp.execution.pool import work
+from pinograsp.execution import own_workers
 from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.verification import Verifier
 
@@ -117,7 +117,8 @@ def check(robot: Any, scene: Any, file: Path, count: int, workers: int) -> None:
     hand = hand_opening(robot)
     postures = [robot.joints_by_name(np.concatenate([row, hand])) for row in rows]
     began = time.perf_counter()
-    failed = [failure for failure in work(partial(checker, robot, scene), postures, workers, chunk=200) if failure]
+    with own_workers(workers) as pool:
+        failed = [failure for failure in pool.run(partial(checker, robot, scene), postures, chunk=200) if failure]
     seconds = time.perf_counter() - began
     print(f"independent check of {len(rows):,} rows drawn at random: {len(failed)} fail ({seconds:.0f} s)")
     for failure in failed[:10]:

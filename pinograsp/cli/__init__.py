@@ -16,7 +16,7 @@ from ..kinematics.robot import RobotModel
 from ..planning import DEFAULT_STARTS, plan
 from ..results import Result, grasp_table, outcome_lines, write_json
 from ..solve import SolverOptions
-from ..solve.local import Algorithm
+from ..solve.backends import BACKENDS
 from .database import app as database_app
 from .folders import make_folder
 from .progress_bar import ProgressBar
@@ -57,7 +57,7 @@ def plan_command(
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
     database: Annotated[Path | None, typer.Option(help="Start database; by default a small one, cached.")] = None,
-    algorithm: Annotated[Algorithm, typer.Option(help="NLopt algorithm.")] = "LD_SLSQP",
+    algorithm: Annotated[str, typer.Option(help=f"Solver: {', '.join(BACKENDS)}.")] = "LD_SLSQP",
     max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
     out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
     html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 import time
 from collections.abc import Callable, Generator
 from contextlib import closing
@@ -22,7 +21,7 @@ from pathlib import Path
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..errors import InputError
-from ..execution.pool import work
+from ..execution import own_workers
 from ..kinematics.robot import RobotModel
 from .identity import Identity
 from .lock import building
@@ -82,10 +81,10 @@ def build_database(
     identity = Identity.of(robot, scene, margins)
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
-    with building(path, wait=wait):
+    with building(path, wait=wait), own_workers(workers) as pool:
         _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
-            _add(path, work(prepare, missing, workers or os.cpu_count() or 1, chunk=1), pace)
+            _add(path, pool.run(prepare, missing, chunk=1), pace)
         _finish(path, size, pace)
     return Database.open(path)
 

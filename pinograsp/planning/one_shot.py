@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -14,33 +14,20 @@ from typing import get_args
 
 import numpy as np
 
-from ..arrays import Array
 from ..database import BuildProgress, Database, Identity, cached_database
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..errors import InputError
-from ..execution.pool import work
+from ..execution import own_workers
 from ..kinematics.robot import RobotModel
 from ..problem import UNITS, GraspProblem, TaskModel, check_task
-from ..results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
-from ..solve import LocalSolver, Solution, SolverOptions, starts_near
+from ..results import Blocked, Result, merge, provenance
+from ..solve import LocalSolver, SolverOptions, starts_near
 from ..solve.local import Outcome
-from ..verification import Certificate, Verifier
+from .attempt import Attempt, attempts_of, lost_attempt
 
 DEFAULT_STARTS = 1304
 """The paper's number of starts."""
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """What one start came to."""
-
-    solution: Solution
-    certificate: Certificate | None
-    """Of a solution that the solver calls feasible."""
-    grasp: Grasp | None
-    """If the certificate verifies it."""
-    verify_seconds: float
 
 
 @dataclass(frozen=True)
@@ -107,7 +94,9 @@ def plan(
             postures = starts_near(opened, model, starts, seed)
             run["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": opened.identity.digest}
         times["starts"] = time.perf_counter() - began - times["prepare"] - times["database"]
-        with closing(_attempts(robot, scene, task, options, postures, workers)) as running:
+        prepare = partial(attempts_of, robot, scene, task, partial(LocalSolver, options=options))
+        items = list(enumerate(postures))
+        with own_workers(workers) as pool, closing(pool.run(prepare, items, lost=lost_attempt)) as running:
             for attempt in running:
                 attempts.append(attempt)
                 if progress:
@@ -141,40 +130,6 @@ def _database(
     with nullcontext(given) if isinstance(given, Database) else Database.open(given) as opened:
         opened.require(Identity.of(robot, scene, margins))
         yield opened
-
-
-def _attempts(
-    robot: RobotModel,
-    scene: SceneDescription,
-    task: str,
-    options: SolverOptions,
-    postures: Array,
-    workers: int,
-) -> Generator[Attempt]:
-    prepare = partial(_prepare, robot, scene, task, options)
-    return work(prepare, list(enumerate(postures)), workers)
-
-
-def _prepare(
-    robot: RobotModel, scene: SceneDescription, task: str, options: SolverOptions
-) -> Callable[[tuple[int, Array]], Attempt]:
-    """Build, in a worker, what handles one start after the other."""
-    solver = LocalSolver(TaskModel(robot, scene, task), options)
-    verifier = Verifier(robot.description, scene, task)
-
-    def attempt(item: tuple[int, Array]) -> Attempt:
-        index, posture = item
-        solution = solver.solve(index, posture)
-        if not solution.feasible:
-            return Attempt(solution, None, None, 0.0)
-        began = time.perf_counter()
-        state = solver.problem(solution.assignment).state(solution.x)
-        claim = claim_of(state)
-        certificate = verifier.check(claim)
-        grasp = grasp_of(index, state, claim, certificate) if certificate.verified else None
-        return Attempt(solution, certificate, grasp, time.perf_counter() - began)
-
-    return attempt
 
 
 def _progress(attempts: list[Attempt], total: int) -> Progress:

@@ -1,4 +1,4 @@
-"""Starts and local solves: where to begin, projection on the contacts, NLopt."""
+"""Starts and local solves: where to begin, projection on the contacts, solvers behind one interface."""
 
 from .local import LocalSolver, Solution, SolverOptions
 from .starts import starts_near

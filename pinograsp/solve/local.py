@@ -1,36 +1,30 @@
-"""One local solve with NLopt, and what became of it.
-
-NLopt raises RoundoffLimited and loses the point, ends with a success code on NaN, and may report success with
-violated constraints; so every evaluated point is recorded, the best one kept, and judged by its own violations.
-"""
+"""One local solve, and what became of it: the best point that was evaluated, judged by its own violations."""
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-import nlopt
 import numpy as np
 
 from ..arrays import Array
-from ..problem import Evaluation, GraspProblem, TaskModel
+from ..problem import GraspProblem, State, TaskModel
+from .backends import Limits, Stop, backend_of
 from .projection import Projection, beginnings, nearest_assignment
+from .recorder import Recorder, program_from
 
-Algorithm = Literal["LD_SLSQP", "LN_COBYLA"]
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-"""What a start came to. With the constraints kept at the best point: NLopt stopped by itself, or did not. With some
-violated there: NLopt stopped by itself, its budget ended, or it raised an error."""
-STOPPED_BY_ITSELF = {nlopt.SUCCESS, nlopt.FTOL_REACHED, nlopt.XTOL_REACHED, nlopt.STOPVAL_REACHED}
-_BUDGET: dict[Algorithm, int] = {"LD_SLSQP": 200, "LN_COBYLA": 3000}
+"""What a start came to. With the constraints kept at the best point: the solver stopped by itself, or did not. With
+some violated there: the solver stopped by itself, its budget ended, or it raised an error."""
 
 
 @dataclass(frozen=True)
 class SolverOptions:
     """How each start is solved."""
 
-    algorithm: Algorithm = "LD_SLSQP"
+    algorithm: str = "LD_SLSQP"
+    """Name of a backend."""
     max_evaluations: int | None = None
     """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
     tolerance: float = 1e-4
@@ -42,8 +36,22 @@ class SolverOptions:
 
     @property
     def budget(self) -> int:
-        """Evaluations a start."""
-        return self.max_evaluations or _BUDGET[self.algorithm]
+        """Evaluations a start.
+
+        Raises:
+            InputError: there is no backend of this name.
+        """
+        return self.max_evaluations or backend_of(self.algorithm).budget
+
+    @property
+    def limits(self) -> Limits:
+        """When a solve may stop."""
+        return Limits(
+            evaluations=self.budget,
+            violation=0.1 * self.tolerance,
+            cost_change=self.cost_tolerance,
+            relative_cost_change=10.0 * self.cost_tolerance,
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the options as JSON data, the budget resolved."""
@@ -63,6 +71,8 @@ class Solution:
     evaluations: int
     seconds: float
     message: str = ""
+    state: State | None = field(default=None, repr=False, compare=False)
+    """At x, as long as the solver's problem is evaluated nowhere else; None where the solver failed."""
 
     @property
     def feasible(self) -> bool:
@@ -76,44 +86,13 @@ class Solution:
         return (name, *self.violations[name])
 
 
-@dataclass
-class _Recorder:
-    """Evaluates each point once and keeps the best: least violation first, then least cost."""
-
-    problem: GraspProblem
-    tolerance: float
-    evaluations: int = 0
-    last: Evaluation | None = None
-    best: Evaluation | None = None
-    _key: tuple[float, float] = field(default=(math.inf, math.inf))
-
-    @property
-    def feasible(self) -> bool:
-        """Whether the best point keeps the constraints to the tolerance."""
-        return self.best is not None and self.best.violation <= self.tolerance
-
-    @property
-    def merit(self) -> tuple[float, float]:
-        """Violation above the tolerance, and cost, of the best point."""
-        return self._key
-
-    def at(self, x: Array) -> Evaluation:
-        if self.last is None or not np.array_equal(x, self.last.x):
-            self.last = self.problem.evaluate(x.copy())
-            self.evaluations += 1
-            violation = self.last.violation
-            key = (max(violation - self.tolerance, 0.0), self.last.cost)
-            if math.isfinite(violation) and math.isfinite(self.last.cost) and key < self._key:
-                self.best, self._key = self.last, key
-        return self.last
-
-
 class LocalSolver:
     """Solves a task from one start after another; what one start gives does not depend on the others."""
 
     def __init__(self, model: TaskModel, options: SolverOptions) -> None:
         self._model = model
         self._options = options
+        self._backend = backend_of(options.algorithm)
         self._problems: dict[tuple[int, ...], GraspProblem] = {}
 
     def problem(self, assignment: tuple[int, ...]) -> GraspProblem:
@@ -137,74 +116,41 @@ class LocalSolver:
         problem = self.problem(assignment)
         runs = []
         for beginning in beginnings(problem, x, self._options.projection):
-            recorder = _Recorder(problem, self._options.tolerance)
-            runs.append((recorder, *_run(recorder, beginning, self._options)))
+            recorder = Recorder(problem, self._options.tolerance)
+            stop = self._backend.solve(program_from(recorder, beginning), self._options.limits)
+            runs.append((recorder, stop))
             if recorder.feasible:
                 break
-        count = sum(recorder.evaluations for recorder, _, _ in runs)
-        recorder, code, message = min(runs, key=lambda run: run[0].merit)
-        best = recorder.best
-        if best is None:
-            return Solution(index, "failed", assignment, x, {}, count, time.perf_counter() - began, message)
-        violations = problem.violations(problem.state(best.x))
-        seconds = time.perf_counter() - began
-        outcome = _outcome(code, recorder.feasible)
-        return Solution(index, outcome, assignment, best.x, violations, count, seconds, message)
+        count = sum(recorder.evaluations for recorder, _ in runs)
+        recorder, stop = min(runs, key=lambda run: run[0].merit)
+        return solution_of(index, x, recorder, stop, count, began)
 
 
-def _outcome(code: int, feasible: bool) -> Outcome:
-    stopped_by_itself = code in STOPPED_BY_ITSELF
-    if feasible:
-        return "converged" if stopped_by_itself else "feasible"
-    if code in {nlopt.MAXEVAL_REACHED, nlopt.MAXTIME_REACHED}:
-        return "budget spent"
-    return "infeasible" if stopped_by_itself or code == nlopt.ROUNDOFF_LIMITED else "failed"
+def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:
+    """Return what a start came to.
 
-
-def _run(recorder: _Recorder, x: Array, options: SolverOptions) -> tuple[int, str]:
-    """Run NLopt from x on the variables z = x / step_units; the recorder holds the outcome.
-
-    Returns:
-        NLopt's code and a message.
+    Args:
+        index: number of the start.
+        x: where it began, shape (v,).
+        recorder: of the solve that came furthest.
+        stop: its end.
+        evaluations: of all solves.
+        began: time when the start was begun, by `time.perf_counter`.
     """
-    problem = recorder.problem
-    unit = problem.model.robot.step_units
-    basis = problem.equality_basis(recorder.at(x))
-    optimizer = nlopt.opt(getattr(nlopt, options.algorithm), len(x))
-    lower, upper = problem.lower / unit, problem.upper / unit
-    optimizer.set_lower_bounds(lower)
-    optimizer.set_upper_bounds(upper)
-    optimizer.set_maxeval(options.budget)
-    optimizer.set_ftol_abs(options.cost_tolerance)
-    optimizer.set_ftol_rel(10.0 * options.cost_tolerance)
-    optimizer.set_xtol_rel(1e-10)
+    problem, best = recorder.problem, recorder.best
+    assignment = problem.assignment
+    if best is None:
+        return Solution(index, "failed", assignment, x, {}, evaluations, time.perf_counter() - began, stop.message)
+    state = problem.state(best.x)
+    violations = problem.violations(state)
+    seconds = time.perf_counter() - began
+    outcome = _outcome(stop, recorder.feasible)
+    return Solution(index, outcome, assignment, best.x, violations, evaluations, seconds, stop.message, state)
 
-    def cost(z: Array, gradient: Array) -> float:
-        evaluation = recorder.at(z * unit)
-        if gradient.size:
-            gradient[:] = evaluation.cost_gradient * unit
-        return evaluation.cost
 
-    def equalities(result: Array, z: Array, gradient: Array) -> None:
-        residual = recorder.at(z * unit).equalities
-        result[:] = basis @ residual.values
-        if gradient.size:
-            gradient[:] = basis @ residual.jacobian * unit
-
-    def inequalities(result: Array, z: Array, gradient: Array) -> None:
-        residual = recorder.at(z * unit).inequalities
-        result[:] = residual.values
-        if gradient.size:
-            gradient[:] = residual.jacobian * unit
-
-    optimizer.set_min_objective(cost)
-    tight = 0.1 * options.tolerance
-    optimizer.add_equality_mconstraint(equalities, np.full(len(basis), tight))
-    optimizer.add_inequality_mconstraint(inequalities, np.full(problem.inequality_count, tight))
-    try:
-        optimizer.optimize(np.clip(x / unit, lower, upper))
-    except nlopt.RoundoffLimited:
-        return int(nlopt.ROUNDOFF_LIMITED), "roundoff limits progress"
-    except (nlopt.exception, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-        return int(nlopt.FAILURE), str(error) or type(error).__name__
-    return int(optimizer.last_optimize_result()), ""
+def _outcome(stop: Stop, feasible: bool) -> Outcome:
+    if feasible:
+        return "converged" if stop.reason == "converged" else "feasible"
+    if stop.reason == "budget spent":
+        return "budget spent"
+    return "failed" if stop.reason == "failed" else "infeasible"

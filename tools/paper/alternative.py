@@ -22,9 +22,9 @@ from typing import Any, Literal
 import numpy as np
 
 import pinograsp
-from pinograsp.execution.pool import work
+from pinograsp.execution import own_workers
+from pinograsp.planning.attempt import certify
 from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.results import claim_of, grasp_of
 from pinograsp.verification import Verifier
 
 from . import hand_poses, inverse_kinematics
@@ -133,7 +133,7 @@ def _tried(
     stages, best_U, best_line = Counter[Stage](dict.fromkeys(STAGES, 0)), None, len(lines)
     prepare = partial(_prepare, robot, scene, case.task, lines, seeds, began + seconds)
     printed = Lines("hand poses")
-    with closing(work(prepare, items, session.workers, chunk=4)) as outcomes:
+    with own_workers(session.workers) as pool, closing(pool.run(prepare, items, chunk=4)) as outcomes:
         for line, stage, U in outcomes:
             if stage is None:  # the time is over
                 break
@@ -174,11 +174,9 @@ def _prepare(
         for posture in solver.solve(rotation, origin, first_pad, SEEDS):
             own = points[[0, 1]] if first_pad == 0 else points[[1, 0]]
             x = np.append(posture, solver.contact_parameters(posture, own))
-            state = problems[first_pad].state(x)
-            claim = claim_of(state)
-            certificate = verifier.check(claim)
-            if certificate.verified:
-                return number, "verified", grasp_of(number, state, claim, certificate).cost.U
+            certificate, grasp = certify(number, problems[first_pad].state(x), verifier)
+            if grasp:
+                return number, "verified", grasp.cost.U
             hit = any(figure.name in CLEARANCES for figure in certificate.refuted_by)
             furthest = max(furthest, "collision" if hit else "refuted otherwise", key=STAGES.index)
         return number, furthest, None

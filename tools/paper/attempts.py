@@ -15,27 +15,14 @@ import numpy as np
 import pinograsp
 from pinograsp.database import cached_database
 from pinograsp.descriptions import SceneDescription
-from pinograsp.execution.pool import work
-from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.results import claim_of, grasp_of
+from pinograsp.execution import own_workers
+from pinograsp.planning.attempt import Solver, attempts_of
+from pinograsp.problem import TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near
-from pinograsp.verification import Verifier
 
 from .page import Table
 from .runs import near_best
 from .store import Lines
-
-
-@dataclass(frozen=True)
-class Found:
-    """Where a method went from one start."""
-
-    problem: GraspProblem
-    x: np.ndarray
-    feasible: bool
-    """By the method's own measure."""
-    evaluations: int
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -49,20 +36,13 @@ class Attempt:
     seconds: float
 
 
-Solve = Callable[[int, np.ndarray], Found]
-Method = Callable[[TaskModel], Solve]
+Method = Callable[[TaskModel], Solver]
 """Makes, in a worker process, what solves one start after the other."""
 
 
-def by_options(options: SolverOptions, model: TaskModel) -> Solve:
+def by_options(options: SolverOptions) -> Method:
     """Return pinograsp's own way of solving a start."""
-    solver = LocalSolver(model, options)
-
-    def solve(index: int, posture: np.ndarray) -> Found:
-        s = solver.solve(index, posture)
-        return Found(solver.problem(s.assignment), s.x, s.feasible, s.evaluations, s.seconds)
-
-    return solve
+    return partial(LocalSolver, options=options)
 
 
 def postures_of(robot: pinograsp.RobotModel, scene: SceneDescription, task: str, count: int, seed: int) -> np.ndarray:
@@ -85,33 +65,13 @@ def attempt_all(
 ) -> list[Attempt]:
     """Solve every start and judge what comes of it, sorted by start."""
     lines, done = Lines(label), []
-    for attempt in work(partial(_prepare, robot, scene, task, method), list(enumerate(postures)), workers, chunk=2):
-        done.append(attempt)
-        lines(len(done), len(postures), f"{sum(a.U is not None for a in done)} reliable")
+    prepare, items = partial(attempts_of, robot, scene, task, method), list(enumerate(postures))
+    with own_workers(workers) as pool:
+        for attempt in pool.run(prepare, items, chunk=2):
+            solution, U = attempt.solution, attempt.grasp.cost.U if attempt.grasp else None
+            done.append(Attempt(solution.start, U, solution.evaluations, solution.seconds))
+            lines(len(done), len(postures), f"{sum(a.U is not None for a in done)} reliable")
     return sorted(done, key=lambda a: a.start)
-
-
-def _prepare(
-    robot: pinograsp.RobotModel, scene: SceneDescription, task: str, method: Method
-) -> Callable[[tuple[int, np.ndarray]], Attempt]:
-    solve = method(TaskModel(robot, scene, task))
-    verifier = Verifier(robot.description, scene, task)
-
-    def attempt(item: tuple[int, np.ndarray]) -> Attempt:
-        index, posture = item
-        found = solve(index, posture)
-        U = verified_cost(index, found.problem, found.x, verifier) if found.feasible else None
-        return Attempt(index, U, found.evaluations, found.seconds)
-
-    return attempt
-
-
-def verified_cost(index: int, problem: GraspProblem, x: np.ndarray, verifier: Verifier) -> float | None:
-    """Return U at x if the independent check verifies the grasp there."""
-    state = problem.state(x)
-    claim = claim_of(state)
-    certificate = verifier.check(claim)
-    return grasp_of(index, state, claim, certificate).cost.U if certificate.verified else None
 
 
 def as_data(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:

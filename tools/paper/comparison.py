@@ -18,7 +18,6 @@ from threadpoolctl import threadpool_limits
 import pinograsp
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions
-from pinograsp.solve.local import Algorithm
 from pinograsp.solve.projection import Projection
 
 from .attempts import Attempt, as_data, attempt_all, attempts_table, by_options, of_data, postures_of
@@ -75,7 +74,7 @@ def comparison_section(session: Session, starts: int) -> list[Block]:
     return blocks
 
 
-def _options(algorithm: Algorithm, projection: Projection, budget: int | None = None) -> SolverOptions:
+def _options(algorithm: str, projection: Projection, budget: int | None = None) -> SolverOptions:
     return SolverOptions(algorithm=algorithm, projection=projection, max_evaluations=budget)
 
 
@@ -87,10 +86,10 @@ def compare(session: Session, robot: pinograsp.RobotModel, case: Case, starts: i
     price = prices(TaskModel(robot, scene, case.task), postures[:PRICED])
     rows: dict[Row, list[Attempt]] = {}
 
-    def attempts(kind: str, algorithm: Algorithm, by: str, budget: int | None = None) -> list[Attempt]:
+    def attempts(kind: str, algorithm: str, by: str, budget: int | None = None) -> list[Attempt]:
         options = _options(algorithm, KINDS[kind], budget)
         note = f"{kind}, {algorithm}, {options.budget} evaluations"
-        found = attempt_all(robot, scene, case.task, postures, partial(by_options, options), session.workers, note)
+        found = attempt_all(robot, scene, case.task, postures, by_options(options), session.workers, note)
         rows[kind, algorithm, str(options.budget), by] = found
         return found
 

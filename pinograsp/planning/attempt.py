@@ -1,0 +1,76 @@
+"""One start: solved, checked, and a grasp if the check verifies it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from ..arrays import Array
+from ..descriptions import SceneDescription
+from ..kinematics.robot import RobotModel
+from ..problem import State, TaskModel
+from ..results import Grasp, claim_of, grasp_of
+from ..solve import Solution
+from ..verification import Certificate, Verifier
+
+
+class Solver(Protocol):
+    """Solves a task from one start after another, such as `solve.LocalSolver`."""
+
+    def solve(self, index: int, start: Array) -> Solution:
+        """Return where the start of a number, posture (q_a, sigma) of shape (l + s,), leads."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What one start came to."""
+
+    solution: Solution
+    """Without its state, which belongs to the process that solved."""
+    certificate: Certificate | None = None
+    """Of a solution that the solver calls feasible."""
+    grasp: Grasp | None = None
+    """If the certificate verifies it."""
+    verify_seconds: float = 0.0
+
+
+def attempt(solver: Solver, verifier: Verifier, index: int, start: Array) -> Attempt:
+    """Solve from one start and judge what comes of it.
+
+    Args:
+        solver: of the task.
+        verifier: of the same task.
+        index: number of the start.
+        start: posture (q_a, sigma), shape (l + s,).
+    """
+    solution = solver.solve(index, start)
+    alone = replace(solution, state=None)
+    if solution.state is None or not solution.feasible:
+        return Attempt(alone)
+    began = time.perf_counter()
+    certificate, grasp = certify(index, solution.state, verifier)
+    return Attempt(alone, certificate, grasp, time.perf_counter() - began)
+
+
+def certify(index: int, state: State, verifier: Verifier) -> tuple[Certificate, Grasp | None]:
+    """Return the certificate of a state that the start of a number led to, and the grasp if it is verified."""
+    claim = claim_of(state)
+    certificate = verifier.check(claim)
+    return certificate, grasp_of(index, state, claim, certificate) if certificate.verified else None
+
+
+def attempts_of(
+    robot: RobotModel, scene: SceneDescription, task: str, solver_of: Callable[[TaskModel], Solver]
+) -> Callable[[tuple[int, Array]], Attempt]:
+    """Build, in a worker, what handles starts: number and posture (q_a, sigma) of shape (l + s,)."""
+    solver = solver_of(TaskModel(robot, scene, task))
+    verifier = Verifier(robot.description, scene, task)
+    return lambda item: attempt(solver, verifier, *item)
+
+
+def lost_attempt(item: tuple[int, Array], reason: str) -> Attempt:
+    """Return the attempt of a start whose worker ended twice."""
+    index, posture = item
+    return Attempt(Solution(index, "failed", (), posture, {}, 0, 0.0, f"start {index} lost: {reason}"))

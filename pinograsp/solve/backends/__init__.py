@@ -1,0 +1,24 @@
+"""Solvers behind one interface: a backend is one file, and one line here."""
+
+from ...errors import InputError, close_names
+from .backend import Backend, BudgetSpentError, Limits, Program, Reason, Stop
+from .nlopt import NLopt
+
+__all__ = ["BACKENDS", "Backend", "BudgetSpentError", "Limits", "Program", "Reason", "Stop", "backend_of"]
+
+BACKENDS: dict[str, Backend] = {
+    "LD_SLSQP": NLopt("LD_SLSQP", budget=200),
+    "LN_COBYLA": NLopt("LN_COBYLA", budget=3000),
+}
+"""Backends by the name that `SolverOptions.algorithm` gives. Further ones may be added before a plan begins."""
+
+
+def backend_of(name: str) -> Backend:
+    """Return the backend of a name.
+
+    Raises:
+        InputError: there is none of this name.
+    """
+    if name not in BACKENDS:
+        raise InputError(f"no solver {name!r}", key="algorithm", remedy=close_names(name, list(BACKENDS)))
+    return BACKENDS[name]
