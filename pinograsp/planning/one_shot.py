@@ -20,7 +20,7 @@ from ..descriptions.scene import Margins
 from ..errors import InputError
 from ..execution import own_workers
 from ..kinematics.robot import RobotModel
-from ..problem import UNITS, GraspProblem, TaskModel, check_task
+from ..problem import GraspProblem, TaskModel, check_task
 from ..results import Blocked, Result, merge, provenance
 from ..solve import LocalSolver, SolverOptions, starts_near
 from ..solve.local import Outcome
@@ -192,7 +192,7 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     if attempt.certificate:
         figure = attempt.certificate.refuted_by[0]
         return f"check of {figure.name}", abs(figure.value - figure.limit), figure.unit, figure.where
-    if not attempt.solution.violations:
+    worst = attempt.solution.worst
+    if worst is None:
         return "solver failure", 0.0, "", attempt.solution.message
-    kind, violation, where = attempt.solution.worst
-    return kind, violation, UNITS.get(kind, "mm"), where
+    return worst.name, worst.value, worst.unit, worst.where

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Array
-from ..problem import GraspProblem, State, TaskModel
+from ..problem import GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
 from .projection import Projection, beginnings, nearest_assignment
 from .recorder import Recorder, program_from
@@ -66,8 +66,8 @@ class Solution:
     outcome: Outcome
     assignment: tuple[int, ...]
     x: Array
-    violations: dict[str, tuple[float, str]]
-    """By name of constraint: violation (mm, or as `problem.UNITS` says) and where."""
+    violations: tuple[Violation, ...]
+    """Of all constraints; empty where the solver failed."""
     evaluations: int
     seconds: float
     message: str = ""
@@ -80,10 +80,9 @@ class Solution:
         return self.outcome in {"converged", "feasible"}
 
     @property
-    def worst(self) -> tuple[str, float, str]:
-        """The most violated constraint: name, violation, where."""
-        name = max(self.violations, key=lambda key: self.violations[key][0])
-        return (name, *self.violations[name])
+    def worst(self) -> Violation | None:
+        """The largest violation; None where the solver failed."""
+        return max(self.violations, key=lambda violation: violation.value, default=None)
 
 
 class LocalSolver:
@@ -140,7 +139,7 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     problem, best = recorder.problem, recorder.best
     assignment = problem.assignment
     if best is None:
-        return Solution(index, "failed", assignment, x, {}, evaluations, time.perf_counter() - began, stop.message)
+        return Solution(index, "failed", assignment, x, (), evaluations, time.perf_counter() - began, stop.message)
     state = problem.state(best.x)
     violations = problem.violations(state)
     seconds = time.perf_counter() - began
