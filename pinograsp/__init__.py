@@ -16,7 +16,7 @@ from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
 from .kinematics.robot import RobotModel
-from .planning import Progress, plan
+from .planning import ConfigurationCheck, Planner, Progress, plan
 from .results import Contact, Cost, Grasp, Result, read_json, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure
@@ -37,6 +37,7 @@ __all__ = [
     "BuildProgress",
     "Certificate",
     "Cone",
+    "ConfigurationCheck",
     "Contact",
     "Cost",
     "Coverage",
@@ -45,6 +46,7 @@ __all__ = [
     "Grasp",
     "InputError",
     "PinograspError",
+    "Planner",
     "Progress",
     "Result",
     "RobotModel",

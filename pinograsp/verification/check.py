@@ -16,6 +16,7 @@ from .contacts import Pads, contact_figures, region_figure
 from .forces import balance_figures, force_figures
 from .joints import limits_figure, mimic_figure
 from .kinematics import Kinematics, Poses
+from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
@@ -77,6 +78,23 @@ class Verifier:
         """
         poses = self._kinematics.poses(joints)
         return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
+
+    def clearances(self, joints: dict[str, float]) -> tuple[PairClearance, ...]:
+        """Return the distances below 50 mm of a posture, pair by pair, the least first.
+
+        Args:
+            joints: every movable joint of the URDF by name, rad (m).
+        """
+        poses = self._kinematics.poses(joints)
+        placed = Placed(self._robot.meshes, poses)
+        found = [
+            *wall_clearances(self._robot.moving, self._walls, poses),
+            *shape_clearances("obstacle clearance", self._obstacle_pairs, placed),
+            *shape_clearances("object clearance", self._target_pairs, placed),
+            *link_clearances("self clearance", self._enabled, placed),
+            *link_clearances("self collision", self._never, placed),
+        ]
+        return tuple(sorted(found, key=lambda pair: pair.distance))
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
