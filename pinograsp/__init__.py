@@ -17,7 +17,7 @@ from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
 from .kinematics.robot import RobotModel
 from .planning import Progress, plan
-from .results import Contact, Cost, Grasp, Result, read_json, write_json
+from .results import Contact, Cost, Difference, Grasp, Result, Setup, read_json, verify, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure
 
@@ -41,6 +41,7 @@ __all__ = [
     "Cost",
     "Coverage",
     "Database",
+    "Difference",
     "Figure",
     "Grasp",
     "InputError",
@@ -48,6 +49,7 @@ __all__ = [
     "Progress",
     "Result",
     "RobotModel",
+    "Setup",
     "SolverOptions",
     "build_database",
     "load_robot",
@@ -56,5 +58,6 @@ __all__ = [
     "read_json",
     "shipped_robots",
     "shipped_scenes",
+    "verify",
     "write_json",
 ]

@@ -22,7 +22,7 @@ from ..errors import InputError
 from ..execution.pool import work
 from ..kinematics.robot import RobotModel
 from ..problem import UNITS, GraspProblem, TaskModel, check_task
-from ..results import Blocked, Grasp, Result, claim_of, grasp_of, merge, provenance
+from ..results import Blocked, Grasp, Result, Setup, claim_of, grasp_of, merge, provenance
 from ..solve import LocalSolver, Solution, SolverOptions, starts_near
 from ..solve.local import Outcome
 from ..verification import Certificate, Verifier
@@ -201,9 +201,7 @@ def _result(
         times["solver_median"] = float(np.median(seconds))
         times["verification_mean"] = float(np.mean([a.verify_seconds for a in attempts]))
     return Result(
-        robot=robot.description.name,
-        scene=scene.name,
-        task=task,
+        setup=Setup(robot.description, scene, task),
         grasps=merge(grasps),
         starts=starts,
         counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
