@@ -44,7 +44,7 @@ def force_cost(claim: Claim, pad_normals: Array, pads: Sequence[PadDescription],
 def _penalty(sigma: float, kappa: float) -> float:
     """Return (A6) of a quantity that is to stay below zero, N."""
     if sigma < -kappa:
-        return 1.0 / (2.0 * sigma**2)
+        return 0.5 / (sigma * sigma)
     # The parabola that continues it at -kappa with the same value, slope and curvature.
     s = sigma / kappa
-    return (1.5 * s**2 + 4.0 * s + 3.0) / kappa**2
+    return (1.5 * s * s + 4.0 * s + 3.0) / kappa**2
