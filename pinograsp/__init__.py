@@ -17,7 +17,7 @@ from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
 from .kinematics.robot import RobotModel
 from .planning import ConfigurationCheck, Planner, Progress, plan
-from .results import Contact, Cost, Grasp, Result, read_json, write_json
+from .results import Contact, Cost, Difference, Grasp, Result, Setup, read_json, verify, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure
 
@@ -42,6 +42,7 @@ __all__ = [
     "Cost",
     "Coverage",
     "Database",
+    "Difference",
     "Figure",
     "Grasp",
     "InputError",
@@ -50,6 +51,7 @@ __all__ = [
     "Progress",
     "Result",
     "RobotModel",
+    "Setup",
     "SolverOptions",
     "build_database",
     "load_robot",
@@ -58,5 +60,6 @@ __all__ = [
     "read_json",
     "shipped_robots",
     "shipped_scenes",
+    "verify",
     "write_json",
 ]

@@ -9,9 +9,8 @@ from typing import Any, get_args
 
 import numpy as np
 
-from ..descriptions import RobotDescription, SceneDescription
 from ..problem import UNITS
-from ..results import Blocked, Result, merge, provenance
+from ..results import Blocked, Result, Setup, merge, provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
 
@@ -31,9 +30,7 @@ class Progress:
 class Run:
     """A run on its way: filled as the starts are tried."""
 
-    robot: RobotDescription
-    scene: SceneDescription
-    task: str
+    setup: Setup
     starts: int
     warnings: Sequence[str] = ()
     attempts: list[Attempt] = field(default_factory=list)
@@ -54,9 +51,7 @@ class Run:
         outcomes = Counter(attempt.solution.outcome for attempt in attempts)
         grasps = [attempt.grasp for attempt in attempts if attempt.grasp]
         return Result(
-            robot=self.robot.name,
-            scene=self.scene.name,
-            task=self.task,
+            setup=self.setup,
             grasps=merge(grasps),
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
@@ -66,7 +61,7 @@ class Run:
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
-            provenance=provenance(self.robot, self.scene) | self.facts,
+            provenance=provenance(self.setup.robot, self.setup.scene) | self.facts,
         )
 
 

@@ -20,7 +20,7 @@ from ..errors import InputError
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import RobotModel
 from ..problem import GraspProblem, TaskModel, check_task
-from ..results import Grasp, Result
+from ..results import Grasp, Result, Setup
 from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
 from ..verification import Verifier
 from .attempt import attempt, attempts_of, lost_attempt
@@ -115,7 +115,7 @@ class Planner:
         _at_least("seed", seed, 0)
         began = time.perf_counter()
         model = self._model(task)
-        run = Run(self.robot.description, self.scene, task, starts, check_task(model))
+        run = Run(Setup(self.robot.description, self.scene, task), starts, check_task(model))
         run.facts = {"seed": seed, "options": self._options.to_json()}
         _evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -160,6 +160,7 @@ class Planner:
         postures = self._index(model).starts(model, self._hands[task], NEAREST)
         quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
         solver, verifier = LocalSolver(model, quick), self._verifier(task)
+        setup = Setup(self.robot.description, self.scene, task)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
         for index, posture in enumerate(postures):
             if deadline is not None and time.perf_counter() - began > deadline:
@@ -168,7 +169,7 @@ class Planner:
             if grasp is None:
                 continue
             found += 1
-            yield grasp
+            yield replace(grasp, setup=setup)
             if found == most or bound >= grasp.cost.U:
                 return
 

@@ -13,6 +13,8 @@ from .certificate import Certificate, Figure
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, region_figure
+from .derived import Derived
+from .force_cost import force_cost
 from .forces import balance_figures, force_figures
 from .joints import limits_figure, mimic_figure
 from .kinematics import Kinematics, Poses
@@ -69,6 +71,20 @@ class Verifier:
             where = "the claim holds numbers that are not finite"
             return Certificate(tuple(replace(figure, value=math.nan, where=where) for figure in figures))
         return Certificate(tuple(self._figures(claim)))
+
+    def derive(self, claim: Claim) -> Derived:
+        """Recompute what a grasp reports besides its certificate.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        self._require_complete(claim)
+        pad_normals = Pads.at(self._pads, self._kinematics.poses(claim.joints)).nearest(claim.points)[1]
+        return Derived(
+            normals=-np.array([self._target.inward(point) for point in claim.points]),
+            synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
+            V=force_cost(claim, pad_normals, self._pads, self._task),
+        )
 
     def check_posture(self, joints: dict[str, float]) -> Certificate:
         """Recompute the clearances of a posture to enclosure, obstacles and itself; the object does not count.
