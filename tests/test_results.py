@@ -206,7 +206,7 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
         lambda data: data["grasps"][0]["joints"].update(joint_1=None),
         lambda data: data["grasps"][0]["cost"].update(U=10**400),
         lambda data: data["grasps"][0]["contacts"][0]["point"].pop(),
-        lambda data: data["grasps"][0]["certificate"]["figures"][0].update(limit="0.1"),
+        lambda data: data["grasps"][0]["certificate"]["figures"][0].update(limit="much"),
         lambda data: data["setup"].update(task="cube"),
     ],
     ids=[

@@ -38,7 +38,7 @@ def read_json(file: Path) -> Result:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.
         return dataclasses.replace(result, altered=encode(result) != data)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise InputError(f"is damaged: {type(error).__name__} {error}", file=file) from None
 
 
