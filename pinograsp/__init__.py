@@ -16,8 +16,8 @@ from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .errors import InputError, PinograspError
 from .kinematics.robot import RobotModel
-from .planning import Progress, plan
-from .results import Contact, Cost, Grasp, Result, read_json, write_json
+from .planning import ConfigurationCheck, Planner, Progress, plan
+from .results import Contact, Cost, Difference, Grasp, Result, Setup, read_json, verify, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure
 
@@ -37,17 +37,21 @@ __all__ = [
     "BuildProgress",
     "Certificate",
     "Cone",
+    "ConfigurationCheck",
     "Contact",
     "Cost",
     "Coverage",
     "Database",
+    "Difference",
     "Figure",
     "Grasp",
     "InputError",
     "PinograspError",
+    "Planner",
     "Progress",
     "Result",
     "RobotModel",
+    "Setup",
     "SolverOptions",
     "build_database",
     "load_robot",
@@ -56,5 +60,6 @@ __all__ = [
     "read_json",
     "shipped_robots",
     "shipped_scenes",
+    "verify",
     "write_json",
 ]

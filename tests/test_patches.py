@@ -43,6 +43,13 @@ def patch_of(kind: str, **changes: Any) -> Patch:
     return TypeAdapter(Patch).validate_python(FRAME | {"type": kind} | given_by_kind[kind] | changes)
 
 
+def test_a_frame_of_a_few_digits_is_a_rotation() -> None:
+    """File and check allow for rounding; points and normals on the patch do not agree unless the frame is exact."""
+    R = patch_of("sphere", normal=(0.0, 0.6, 0.8000004), x_axis=(0.0, 0.8000003, -0.6)).rotation
+    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(R, [[0.0, -1.0, 0.0], [0.8, 0.0, 0.6], [-0.6, 0.0, 0.8]], atol=1e-6)
+
+
 @st.composite
 def patches(draw: st.DrawFn, kinds: tuple[str, ...] = (*FLAT, *CURVED)) -> Patch:
     """Return a patch of any kind, size and range."""

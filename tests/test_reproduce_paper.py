@@ -235,7 +235,7 @@ def test_without_a_browser_the_page_says_why(
 
     monkeypatch.setattr(figures, "screenshot", missing)
     assert result.best is not None
-    reason = photograph(toy, ball, result.best, tmp_path / "pictures" / "grasp.png")
+    reason = photograph(result.best, tmp_path / "pictures" / "grasp.png", ball.title)
     assert reason == "none of chromium was found"
     assert (tmp_path / "pictures" / "grasp.html").is_file()
 

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from pinograsp import InputError, Result, RobotModel, plan, read_json, write_json
-from pinograsp.descriptions import SceneDescription
-from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, grasp_table, merge, outcome_lines
+from pinograsp import InputError, Result, RobotModel, load_scene, plan, read_json, write_json
+from pinograsp.descriptions import SceneDescription, load_robot_description, shipped_robots, shipped_scenes
+from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, grasp_table, merge, outcome_lines
 from pinograsp.results.provenance import provenance
 from pinograsp.verification import Certificate, Figure
 
@@ -25,6 +25,11 @@ from pinograsp.verification import Certificate, Figure
 @pytest.fixture(scope="module")
 def result(gen3: RobotModel, glovebox: SceneDescription) -> Result:
     return plan(gen3, glovebox, "sphere", starts=12, workers=1)
+
+
+@pytest.fixture(scope="module")
+def setup(gen3: RobotModel, glovebox: SceneDescription) -> Setup:
+    return Setup(gen3.description, glovebox, "sphere")
 
 
 def same(a: Any, b: Any) -> bool:
@@ -65,9 +70,40 @@ def test_json_round_trip(result: Result, tmp_path: Path) -> None:
     assert again.read_bytes() == file.read_bytes()
 
 
-def test_json_of_a_result_without_grasps(tmp_path: Path) -> None:
+def test_every_grasp_knows_the_setup_of_its_result(result: Result, setup: Setup) -> None:
+    assert result.setup == setup
+    assert (result.robot, result.scene, result.task) == ("gen3_2f85", "glovebox", "sphere")
+    assert len(result.grasps) > 1
+    assert all(found.setup is result.setup for found in result.grasps)
+    loose = grasp(2.0)
+    assert loose.setup is None
+    assert Result(setup, (loose,), 1, {"converged": 1}, 1, 0, {}).grasps[0].setup is setup
+
+
+@pytest.mark.parametrize("robot", sorted(shipped_robots()))
+@pytest.mark.parametrize("scene", sorted(shipped_scenes()))
+def test_robots_and_scenes_are_embedded_whole(robot: str, scene: str, tmp_path: Path) -> None:
+    description = load_scene(scene)
+    setup = Setup(load_robot_description(robot), description, sorted(description.tasks)[-1])
+    write_json(Result(setup, (), 1, {"infeasible": 1}, 0, 0, {}), tmp_path / "result.json")
+    back = read_json(tmp_path / "result.json")
+    assert back.setup == setup
+    assert not back.altered
+
+
+def test_a_scene_made_in_python_is_embedded(gen3: RobotModel, glovebox: SceneDescription, tmp_path: Path) -> None:
+    """No file holds it."""
+    task = glovebox.tasks["sphere"].model_copy(update={"force_weight": 0.123})
+    scene = glovebox.model_copy(update={"tasks": {"mine": task}, "name": "made here"})
+    write_json(Result(Setup(gen3.description, scene, "mine"), (), 1, {}, 0, 0, {}), tmp_path / "result.json")
+    back = read_json(tmp_path / "result.json")
+    assert back.setup.scene == scene
+    assert back.setup.scene.task("mine").force_weight == 0.123
+
+
+def test_json_of_a_result_without_grasps(setup: Setup, tmp_path: Path) -> None:
     blocked = {"enclosure": Blocked(3, 20.7, "mm", "finger - wall")}
-    empty = Result("r", "s", "t", (), 3, {"infeasible": 3}, 0, 0, blocked, True, {"total": 1.0}, {"seed": 7})
+    empty = Result(setup, (), 3, {"infeasible": 3}, 0, 0, blocked, True, {"total": 1.0}, {"seed": 7})
     write_json(empty, tmp_path / "empty.json")
     back = read_json(tmp_path / "empty.json")
     assert same(back, empty)
@@ -78,6 +114,9 @@ def test_json_says_what_the_issue_asks_for(result: Result, gen3: RobotModel, tmp
     write_json(result, tmp_path / "result.json")
     data = json.loads((tmp_path / "result.json").read_text())
     assert data["format_version"] == FORMAT_VERSION
+    assert data["setup"].keys() == {"robot", "scene", "task"}
+    assert data["setup"]["scene"]["tasks"]["sphere"]["object"] == "sphere"
+    assert "setup" not in data["grasps"][0]
     assert data["provenance"].keys() >= {"packages", "sha256", "seed", "options"}
     assert sum(data["counts"].values()) == data["starts"] == 12
     best = data["grasps"][0]
@@ -101,7 +140,7 @@ def test_q_r_squeezes(result: Result) -> None:
         assert found.joints[knuckle] < found.q_r[knuckle] < found.joints[knuckle] + 0.1
 
 
-def test_numbers_that_are_not_finite_become_null(tmp_path: Path) -> None:
+def test_numbers_that_are_not_finite_become_null(setup: Setup, tmp_path: Path) -> None:
     figures = (
         Figure("worthless", math.nan, 1.0, "m", "at most"),
         Figure("unlimited above", 2.0, math.inf, "m", "at most"),
@@ -110,7 +149,7 @@ def test_numbers_that_are_not_finite_become_null(tmp_path: Path) -> None:
     odd = dataclasses.replace(grasp(2.0), certificate=Certificate(figures))
     times = {"total": math.inf}
     file = tmp_path / "odd.json"
-    write_json(Result("r", "s", "t", (odd,), 1, {"converged": 1}, 1, 0, {}, False, times), file)
+    write_json(Result(setup, (odd,), 1, {"converged": 1}, 1, 0, {}, False, times), file)
     text = file.read_text()
     assert "NaN" not in text
     assert "Infinity" not in text
@@ -123,7 +162,7 @@ def test_numbers_that_are_not_finite_become_null(tmp_path: Path) -> None:
     assert same(read_json(file).grasps[0].certificate, odd.certificate)
 
 
-@pytest.mark.parametrize("given", [0, 2, "1", None])
+@pytest.mark.parametrize("given", [0, 1, "2", None])
 def test_other_format_version_is_refused(given: object, result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(result, file)
@@ -131,6 +170,7 @@ def test_other_format_version_is_refused(given: object, result: Result, tmp_path
     with pytest.raises(InputError, match="format version") as caught:
         read_json(file)
     assert (caught.value.file, caught.value.key) == (file, "format_version")
+    assert str(caught.value).endswith(f"this pinograsp reads {FORMAT_VERSION}. Plan again")
 
 
 @pytest.mark.parametrize(
@@ -139,7 +179,9 @@ def test_other_format_version_is_refused(given: object, result: Result, tmp_path
         ("", "not valid JSON"),
         ("{", "not valid JSON"),
         ("[1]", "format version"),
-        ('{"format_version": 1}', "damaged"),
+        ('{"format_version": 2}', "damaged"),
+        ('{"format_version": 2, "starts": NaN}', "not valid JSON: NaN"),
+        ("[" * 100_000, "not valid JSON"),
         (b"\xff\xfe", "not valid JSON"),
     ],
 )
@@ -160,8 +202,27 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
         lambda data: data["grasps"][0]["contacts"][0].pop("pad"),
         lambda data: data["grasps"][0]["certificate"].update(figures=3),
         lambda data: data.update(blocked=[1]),
+        lambda data: data.update(reliable="many"),
+        lambda data: data["grasps"][0]["joints"].update(joint_1=None),
+        lambda data: data["grasps"][0]["cost"].update(U=10**400),
+        lambda data: data["grasps"][0]["contacts"][0]["point"].pop(),
+        lambda data: data["grasps"][0]["certificate"]["figures"][0].update(limit="much"),
+        lambda data: data["setup"].update(task="cube"),
     ],
-    ids=["no grasps", "no joints", "strange cost", "no pad", "no figures", "strange blocks"],
+    ids=[
+        "no grasps",
+        "no joints",
+        "strange cost",
+        "no pad",
+        "no figures",
+        "strange blocks",
+        "a word for a number",
+        "no angle",
+        "too large",
+        "two coordinates",
+        "text for a limit",
+        "no such task",
+    ],
 )
 def test_incomplete_file_is_refused(damage: Any, result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
@@ -172,6 +233,29 @@ def test_incomplete_file_is_refused(damage: Any, result: Result, tmp_path: Path)
     with pytest.raises(InputError, match="is damaged") as caught:
         read_json(file)
     assert caught.value.file == file
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "words"),
+    [
+        ("robot", {"pads": []}, "setup.robot.pads: a hand holds with two pads or more"),
+        ("robot", {"stiffness": {"joint": -1.0, "contact": 1.0}}, "setup.robot.stiffness.joint: "),
+        ("scene", {"magic": 1}, "setup.scene.magic: "),
+        ("scene", {"objects": {}}, "setup.scene: no object"),
+    ],
+)
+def test_damage_of_the_setup_is_told_by_its_key(
+    part: str, change: dict[str, Any], words: str, result: Result, tmp_path: Path
+) -> None:
+    file = tmp_path / "result.json"
+    write_json(result, file)
+    data = json.loads(file.read_text())
+    data["setup"][part] |= change
+    file.write_text(json.dumps(data))
+    with pytest.raises(InputError, match="is damaged") as caught:
+        read_json(file)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_file_that_is_not_there(tmp_path: Path) -> None:
@@ -252,7 +336,7 @@ def test_hashes_are_those_of_the_files(result: Result, gen3: RobotModel, glovebo
 def test_hashes_of_a_composed_robot(paper: RobotModel, glovebox: SceneDescription) -> None:
     recorded = provenance(paper.description, glovebox)["sha256"]
     folder = paper.description.source.parent
-    assert set(recorded) == {"robot", "scene", "urdf", "srdf", "attach[0].urdf", "attach[0].srdf"}
+    assert set(recorded) == {"robot", "scene", "urdf", "srdf", "attach[0].urdf", "attach[0].srdf", "meshes"}
     for kind in ("urdf", "srdf"):
         file = folder / f"two_phalanx_hand.{kind}"
         assert recorded[f"attach[0].{kind}"] == hashlib.sha256(file.read_bytes()).hexdigest()
@@ -281,10 +365,10 @@ def test_table_fits_80_columns(result: Result) -> None:
     assert "1234" in text
 
 
-def test_words_about_the_starts() -> None:
+def test_words_about_the_starts(setup: Setup) -> None:
     blocked = {"forces": Blocked(1, 0.5, "", ""), "enclosure": Blocked(6, 20.71, "mm", "finger - wall")}
     counts = {"converged": 2, "feasible": 1, "infeasible": 7, "failed": 0}
-    lines = outcome_lines(Result("r", "s", "t", (), 12, counts, 2, 1, blocked, True))
+    lines = outcome_lines(Result(setup, (), 12, counts, 2, 1, blocked, True))
     assert lines == [
         "2 of 10 starts reliable (20.0 %); solver: 2 converged, 1 feasible, 7 infeasible",
         "2 of 12 starts not tried: interrupted",

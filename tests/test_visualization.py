@@ -18,7 +18,7 @@ from pinograsp.descriptions import load_robot_description, load_scene, shapes
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.disk import write_whole
 from pinograsp.errors import InputError
-from pinograsp.results.grasp import Contact, Cost, Grasp
+from pinograsp.results import Contact, Cost, Grasp, Result, Setup
 from pinograsp.verification.certificate import Certificate, Figure
 from pinograsp.visualization import approach, camera, colors, show, symbols, write_html
 from pinograsp.visualization.forces import LONGEST_ARROW
@@ -49,7 +49,7 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def grasp(scene):
+def grasp(robot, scene):
     """Sim. 1 of the paper, roughly: the jaw closes along world y."""
     center, radius = scene.objects["sphere"].center_of_mass_world, scene.objects["sphere"].shape.radius
 
@@ -76,13 +76,14 @@ def grasp(scene):
         cost=Cost(2.1791, 0.0425, 2.1366),
         contacts=(contact("left", 1.0), contact("right", -1.0)),
         certificate=Certificate(figures),
+        setup=Setup(robot, scene, "sphere"),
     )
 
 
-def drawn(grasp, robot, scene):
+def drawn(grasp):
     """Return meshcat's objects and transforms of a grasp by node, and the recorder."""
     recorder = Recorder()
-    show(grasp, robot, scene, "sphere", Visualizer(window=recorder))
+    show(grasp, Visualizer(window=recorder))
     objects, transforms = {}, {}
     for command in recorder.commands:
         node = command["path"].removeprefix("/meshcat/pinograsp").lstrip("/")
@@ -94,8 +95,8 @@ def drawn(grasp, robot, scene):
 
 
 @pytest.fixture(scope="module")
-def picture(grasp, robot, scene):
-    return drawn(grasp, robot, scene)
+def picture(grasp):
+    return drawn(grasp)
 
 
 def ends(piece):
@@ -204,9 +205,9 @@ def test_the_close_up_copes_with_contacts_above_each_other(grasp, scene):
     assert np.isfinite(view.position).all()
 
 
-def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, robot, scene, tmp_path):
+def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, tmp_path):
     file = tmp_path / "grasp.html"
-    write_html(grasp, robot, scene, "sphere", file, caption="<b>Sim. 1</b> & more")
+    write_html(grasp, file, caption="<b>Sim. 1</b> & more")
     page = file.read_text(encoding="utf-8")
     for text in ("gen3_2f85", "glovebox", "2.179", "0.0425 mm²", "2.137", "(0.00, -3.63, 1.00) N", "3.77 N"):
         assert text in page
@@ -222,12 +223,12 @@ def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, robot, scen
     assert b"contacts/left/force/head" in gzip.decompress(base64.b64decode(commands))
 
 
-def test_an_old_page_is_replaced_and_a_failed_one_leaves_it(grasp, robot, scene, tmp_path):
+def test_an_old_page_is_replaced_and_a_failed_one_leaves_it(grasp, tmp_path):
     file = tmp_path / "grasp.html"
     file.write_text("old")
     joints = {name: angle for name, angle in grasp.joints.items() if name != "joint_3"}
     with pytest.raises(InputError, match="joint_3"):
-        write_html(dataclasses.replace(grasp, joints=joints), robot, scene, "sphere", file)
+        write_html(dataclasses.replace(grasp, joints=joints), file)
     assert file.read_text() == "old"
     write_whole(file, "new")
     assert file.read_text() == "new"
@@ -236,10 +237,33 @@ def test_an_old_page_is_replaced_and_a_failed_one_leaves_it(grasp, robot, scene,
 
 def test_errors_of_input(grasp, robot, scene, tmp_path):
     with pytest.raises(InputError, match="no task 'ball'"):
-        write_html(grasp, robot, scene, "ball", tmp_path / "a.html")
+        write_html(dataclasses.replace(grasp, setup=Setup(robot, scene, "ball")), tmp_path / "a.html")
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match=r"a\.html: cannot be written: "):
         write_whole(tmp_path / "file" / "a.html", "text")
+
+
+def test_of_a_result_the_best_grasp_is_drawn(grasp, robot, scene, tmp_path):
+    setup = Setup(robot, scene, "sphere")
+    loose = dataclasses.replace(grasp, setup=None)
+    worse = dataclasses.replace(loose, joints=dict.fromkeys(grasp.joints, 0.0))
+    result = Result(setup, (loose, worse), 2, {"converged": 2}, 2, 0, {})
+    assert [found.setup for found in result.grasps] == [setup, setup]
+    of_result, best, other = (
+        {node: T.tolist() for node, T in drawn(drawable)[1].items()} for drawable in (result, grasp, result.grasps[1])
+    )
+    assert of_result == best != other
+    write_html(result, tmp_path / "result.html")
+    assert "2.179" in (tmp_path / "result.html").read_text()
+
+
+def test_what_cannot_be_drawn_is_refused(grasp, robot, scene, tmp_path):
+    empty = Result(Setup(robot, scene, "sphere"), (), 1, {"infeasible": 1}, 0, 0, {})
+    loose = dataclasses.replace(grasp, setup=None)
+    for drawable, words in ((empty, "no grasp to draw"), (loose, "belongs to no result")):
+        with pytest.raises(InputError, match=words):
+            write_html(drawable, tmp_path / "a.html")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_composed_robot_is_drawn_with_every_part(grasp, paper, scene):
@@ -247,8 +271,9 @@ def test_a_composed_robot_is_drawn_with_every_part(grasp, paper, scene):
     sigma = 1.9
     posture = np.array([*ARM, sigma])
     robot = paper.mounted(scene.mounting.matrix)
-    held = dataclasses.replace(grasp, joints=paper.joints_by_name(posture), synergy=posture[7:])
-    objects, transforms, _ = drawn(held, paper.description, scene)
+    setup = Setup(paper.description, scene, "sphere")
+    held = dataclasses.replace(grasp, joints=paper.joints_by_name(posture), synergy=posture[7:], setup=setup)
+    objects, transforms, _ = drawn(held)
     names = {node.split("/")[-1].removesuffix("_0"): node for node in objects if node.startswith("robot/")}
     assert names.keys() >= {"base_link", "bracelet_link", "palm", "left_distal", "right_distal"}
     assert not [name for name in names if "robotiq" in name]
@@ -277,7 +302,7 @@ def test_a_mesh_that_cannot_be_read_is_an_error(grasp, robot, scene, tmp_path, c
     (tmp_path / "robot.yaml").write_text(description)
     broken = load_robot_description(tmp_path)
     with pytest.raises(InputError, match="cannot be drawn"):
-        write_html(grasp, broken, scene, "sphere", tmp_path / "a.html")
+        write_html(dataclasses.replace(grasp, setup=Setup(broken, scene, "sphere")), tmp_path / "a.html")
     assert not (tmp_path / "a.html").exists()
 
 
@@ -319,7 +344,7 @@ def test_the_cone_of_approach_directions_opens_towards_the_hand(robot, scene, gr
     content["tasks"]["sphere"]["approach"] = {"direction": (0.0, -1.0, 0.0), "angle": angle, "frame": "object"}
     turned = type(scene).model_validate(content)
     recorder = Recorder()
-    show(grasp, robot, turned, "sphere", Visualizer(window=recorder))
+    show(dataclasses.replace(grasp, setup=Setup(robot, turned, "sphere")), Visualizer(window=recorder))
     assert [c["path"] for c in recorder.commands if c["path"].endswith("approach") and c["type"] == "set_object"]
     target = turned.objects["sphere"]
     piece = approach.cone(target.center_of_mass_world, np.array([0.0, 0.0, 1.0]), angle)

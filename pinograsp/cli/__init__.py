@@ -1,9 +1,8 @@
-"""The command line: `pinograsp plan | robot | database | list | schema`."""
+"""The command line: `pinograsp plan | verify | robot | database | list | schema`."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -12,17 +11,13 @@ from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
 from ..errors import InputError
-from ..kinematics.robot import RobotModel
-from ..planning import DEFAULT_STARTS, plan
-from ..results import Result, grasp_table, outcome_lines, write_json
-from ..solve import SolverOptions
-from ..solve.backends import BACKENDS
+from .console import say
 from .database import app as database_app
-from .folders import make_folder
-from .progress_bar import ProgressBar
+from .plan import plan_command
 from .robot import app as robot_app
+from .verify import verify_command
 
-NOTHING_FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
+BAD_INPUT = 2
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
@@ -32,7 +27,7 @@ def main() -> None:
     try:
         app(prog_name="pinograsp")
     except InputError as error:
-        _say(Console(stderr=True), f"[bold red]error:[/] {escape(str(error))}")
+        say(Console(stderr=True), f"[bold red]error:[/] {escape(str(error))}")
         raise SystemExit(BAD_INPUT) from None
 
 
@@ -40,60 +35,15 @@ def main() -> None:
 def _commands() -> None:
     """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
 
-    Exit codes: 0 grasps were found, 1 none was found, 2 the input cannot be used, 130 interrupted.
+    Exit codes: 0 grasps were found, or every certificate stands; 1 none was found, or something differs; 2 the input
+    cannot be used; 130 interrupted.
     """
 
 
+app.command("plan")(plan_command)
+app.command("verify")(verify_command)
 app.add_typer(database_app, name="database")
 app.add_typer(robot_app, name="robot")
-
-
-@app.command("plan")
-def plan_command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a shipped scene.")],
-    task: Annotated[str, typer.Option(help="Name of a task of the scene.")],
-    robot: Annotated[str, typer.Option(help="Robot file or folder, or the name of a shipped robot.")] = "gen3_2f85",
-    starts: Annotated[int, typer.Option(min=1, help="Number of starts.")] = DEFAULT_STARTS,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
-    database: Annotated[Path | None, typer.Option(help="Start database; by default a small one, cached.")] = None,
-    algorithm: Annotated[str, typer.Option(help=f"Solver: {', '.join(BACKENDS)}.")] = "LD_SLSQP",
-    max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
-    html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,
-) -> None:
-    """Find, verify and rank grasps; write them as JSON and the best one as an HTML page."""
-    console = Console()
-    robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
-    options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
-    make_folder(out)  # before the work, not after it
-    with ProgressBar(console) as bar:
-        result = plan(
-            robot_model,
-            description,
-            task,
-            starts=starts,
-            workers=workers,
-            seed=seed,
-            options=options,
-            database=database,
-            progress=bar,
-            build_progress=bar,
-        )
-    _report(result, console)
-    written = out / f"{description.name}_{task}.json"
-    write_json(result, written)
-    _say(console, f"written: {escape(str(written))}")
-    if html and result.best:
-        from ..visualization import write_html
-
-        page = written.with_suffix(".html")
-        write_html(result.best, robot_model.description, description, task, page, caption=outcome_lines(result)[0])
-        _say(console, f"written: {escape(str(page))}")
-    if result.interrupted:
-        raise typer.Exit(INTERRUPTED)
-    if not result.grasps:
-        raise typer.Exit(NOTHING_FOUND)
 
 
 @app.command("schema")
@@ -112,24 +62,3 @@ def list_command() -> None:
     for name, file in shipped_scenes().items():
         scene = load_scene(file)
         typer.echo(f"scene {name}: {scene.description}; tasks: {', '.join(scene.tasks)}")
-
-
-def _report(result: Result, console: Console) -> None:
-    for warning in result.warnings:
-        _say(console, f"[yellow]warning:[/] {escape(warning)}")
-    if result.grasps:
-        console.print(grasp_table(result))
-    else:
-        _say(console, "[bold]No verified grasp was found.[/]")
-    for line in outcome_lines(result):
-        _say(console, escape(line))
-    text = f"{result.times['total']:.1f} s in all"
-    if result.done:
-        solver, check = 1e3 * result.times["solver_mean"], 1e3 * result.times["verification_mean"]
-        text += f"; a start takes {solver:.1f} ms in the solver and {check:.1f} ms in the check, on one core"
-    _say(console, text)
-
-
-def _say(console: Console, line: str) -> None:
-    """Print one line as it is, however narrow the terminal: paths stay whole."""
-    console.print(line, highlight=False, soft_wrap=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from ..arrays import Array
@@ -14,10 +16,14 @@ from .world import CLEARANCES
 
 def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
     """Return the function that says whether the hand keeps its links off each other, given synergies."""
-    joints, margins = collisions.joints, np.array([pair.margin for pair in collisions.pairs])
-    of_robot = (pair.kind == CLEARANCES["link"] for pair in collisions.pairs)
-    by_hand = (robot.moved_by_hand(joints[pair.first], joints[pair.second]) for pair in collisions.pairs)
-    in_hand = np.array([own and moved for own, moved in zip(of_robot, by_hand, strict=True)])
+    joints, margins = collisions.joints.tolist(), np.array([pair.margin for pair in collisions.pairs])
+    moved_by_hand = cache(robot.moved_by_hand)
+    in_hand = np.array(
+        [
+            pair.kind == CLEARANCES["link"] and moved_by_hand(joints[pair.first], joints[pair.second])
+            for pair in collisions.pairs
+        ]
+    )
     data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
 
     def free(sigma: Array) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
@@ -32,6 +33,18 @@ def cached_database(
     """
     identity = Identity.of(robot, scene, margins)
     file = cache_folder() / f"{robot.description.name}-{scene.name}-{identity.digest[:16]}.duckdb"
-    return build_database(
+    return _complete(file, identity) or build_database(
         robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
     )
+
+
+def _complete(file: Path, identity: Identity) -> Database | None:
+    """Return the database of a file, or None if it is not there or not complete."""
+    if not file.is_file():
+        return None
+    database = Database.open(file)
+    database.require(identity)
+    if database.metadata()["layout"] == "sorted":
+        return database
+    database.close()
+    return None

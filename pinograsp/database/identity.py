@@ -15,6 +15,7 @@ from ..descriptions.scene import Margins
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening
 from ..kinematics.robot import RobotModel
+from ..memo import remembered
 
 MEANING = {
     "robot": "URDF, SRDF, meshes and their convex pieces, arm joints with limits, hand posture and wrist link",
@@ -35,21 +36,8 @@ class Identity:
     @classmethod
     def of(cls, robot: RobotModel, scene: SceneDescription, margins: Margins) -> Identity:
         """Return the identity of a database for this robot, the enclosure of this scene and these margins."""
-        description = robot.description
-        size = robot.arm_size
-        meshes = sorted({digest_of(Path(mesh)) for mesh in robot.urdf.meshes})
         return cls(
-            robot={
-                "files": {key: digest_of(file) for key, file in description.files.items()},
-                "composition": _composition(description),
-                "meshes": digest("".join(meshes).encode()),
-                "collision": description.collision.model_dump(mode="json"),
-                "joints": list(description.arm.joints),
-                "lower": robot.lower[:size].tolist(),
-                "upper": robot.upper[:size].tolist(),
-                "hand": _open_hand(robot),
-                "wrist": description.arm.wrist,
-            },
+            robot=_robot_part(robot.unmounted),
             enclosure={
                 "walls": scene.enclosure.model_dump(mode="json"),
                 "mounting": scene.mounting.model_dump(mode="json"),
@@ -88,6 +76,23 @@ class Identity:
                 hashes = f"{self.hash_of(part)} in the database, {other.hash_of(part)} wanted"
                 found.append(f"another {part} ({hashes}; the hash of {meaning}; different: {keys})")
         return found
+
+
+@remembered
+def _robot_part(robot: RobotModel) -> dict[str, Any]:
+    description, size = robot.description, robot.arm_size
+    meshes = sorted({digest_of(Path(mesh)) for mesh in robot.urdf.meshes})
+    return {
+        "files": {key: digest_of(file) for key, file in description.files.items()},
+        "composition": _composition(description),
+        "meshes": digest("".join(meshes).encode()),
+        "collision": description.collision.model_dump(mode="json"),
+        "joints": list(description.arm.joints),
+        "lower": robot.lower[:size].tolist(),
+        "upper": robot.upper[:size].tolist(),
+        "hand": _open_hand(robot),
+        "wrist": description.arm.wrist,
+    }
 
 
 def _open_hand(robot: RobotModel) -> dict[str, float]:

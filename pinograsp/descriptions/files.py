@@ -73,6 +73,12 @@ class FileRoot(Frozen):
     source: Path
     digest: str
 
+    def changed(self, **update: Any) -> Self:
+        """Return a copy with some fields changed, whose digest is that of its new content."""
+        copied = self.model_copy(update=update)
+        content = copied.model_dump_json(exclude={"source", "digest"})
+        return copied.model_copy(update={"digest": digest(content.encode())})
+
 
 Root = TypeVar("Root", bound=FileRoot)
 

@@ -51,7 +51,9 @@ class _Framed(Frozen):
     @cached_property
     def rotation(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
         """Rotation (3, 3) of the patch frame in the link frame; columns x, y, normal."""
-        normal, x_axis = np.array(self.normal), np.array(self.x_axis)
+        normal = np.array(self.normal) / np.linalg.norm(self.normal)  # a file gives a few digits
+        x_axis = np.array(self.x_axis) - np.dot(self.x_axis, normal) * normal
+        x_axis /= np.linalg.norm(x_axis)
         return np.column_stack([x_axis, np.cross(normal, x_axis), normal])
 
     @property

@@ -19,6 +19,19 @@ class Pose(Frozen):
     position: Vector3 = ZERO
     rpy: Vector3 = ZERO
 
+    @classmethod
+    def of(cls, T: Array) -> Pose:
+        """Return the pose of a homogeneous transform, shape (4, 4)."""
+        R = np.asarray(T, dtype=np.float64)[:3, :3]
+        across = math.hypot(R[0, 0], R[1, 0])
+        pitch = math.atan2(-R[2, 0], across)
+        if across > 1e-9:
+            roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
+        else:
+            roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
+        x, y, z = (float(value) for value in np.asarray(T)[:3, 3])
+        return cls(position=(x, y, z), rpy=(roll, pitch, yaw))
+
     @cached_property
     def matrix(self) -> Array:
         """Homogeneous transform of the frame in the other one, shape (4, 4)."""

@@ -211,6 +211,18 @@ class SceneDescription(FileRoot):
             raise InputError(f"no task {name!r} in this scene", file=self.source, key="tasks", remedy=remedy)
         return self.tasks[name]
 
+    def with_object_pose(self, name: str, pose: Pose) -> SceneDescription:
+        """Return the scene with an object at another pose.
+
+        Raises:
+            InputError: there is no object of this name.
+        """
+        if name not in self.objects:
+            remedy = close_names(name, list(self.objects))
+            raise InputError(f"no object {name!r} in this scene", file=self.source, key="objects", remedy=remedy)
+        body = self.objects[name].model_copy(update={"pose": pose})
+        return self.changed(objects={**self.objects, name: body})
+
     def bodies_besides(self, task: TaskDescription) -> dict[str, Body]:
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}

@@ -81,6 +81,16 @@ def widest_jaw(robot: RobotModel) -> float | None:
     return widest
 
 
+def always_parallel(robot: RobotModel) -> bool:
+    """Whether the robot has two flat pads whose normals are opposite in every posture of the hand that is tried."""
+    flat = all(isinstance(pad.patch, PlanePatch | LinePatch) for pad in robot.pads)
+    return (
+        flat
+        and len(robot.pads) == 2
+        and all(np.linalg.norm(pads.normals.sum(axis=0)) < 1e-6 for _, pads in synergy_postures(robot))
+    )
+
+
 def _best(robot: RobotModel, loss: Callable[[Pads], float], free: Allowed | None = None) -> Array:
     """Return the synergies of least loss: of `synergy_postures`, and where these are random of lines from the best."""
     ranked = sorted(((loss(pads), *sigma) for sigma, pads in synergy_postures(robot)), key=lambda found: found[0])

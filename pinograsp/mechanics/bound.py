@@ -1,7 +1,7 @@
 r"""Lower bounds of V*, whatever the grasp.
 
-**Any hand.** Each contact's share of V is least where its force F points along its normal: then sigma_f, which grows with
-the angle between both, and sigma_m are least for a given norm(F). So V* is at least n times the least share over
+**Any hand.** Each contact's share of V is least where its force F points along its normal: then sigma_f, which grows
+with the angle between both, and sigma_m are least for a given norm(F). So V* is at least n times the least share over
 norm(F), for n contacts.
 
 **Two pads that are parallel.** Where both are tangent to the object, their normals into it are e and -e, and the forces

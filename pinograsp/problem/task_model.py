@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
 from ..arrays import Array
 from ..collision.distances import CollisionModel
 from ..collision.scene_world import task_world
+from ..collision.world import BodyKey, Role
 from ..descriptions import SceneDescription, TaskDescription, robot_for
 from ..descriptions.robot import SoftFinger
 from ..geometry.regions import membership
@@ -26,21 +29,38 @@ class TaskModel:
         self.robot = robot.with_pads(pads).mounted(scene.mounting.matrix)
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
-        target = scene.objects[self.task.object]
-        self.surface = surface_of(target.shape)
-        self.T_world_object = target.pose.matrix
-        desired = np.array(self.task.desired_contacts)
-        self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        self.surface = surface_of(scene.objects[self.task.object].shape)
         region = self.task.contact_region
         self.region = None if region is None else membership(region)
-        self.approach = approach_cone(self.task, self.T_world_object)
-        self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
+        self._place_object()
         stiffness = robot.description.stiffness
         hand_size = len(self.robot.hand_joints)
         self.hand = Hand(self.robot.synergies, np.full(hand_size, 1.0 / stiffness.joint))
         self.contact_models = _contact_models(self.robot)
         constants = self.task.contact
         self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
+
+    def _place_object(self) -> None:
+        target = self.scene.objects[self.task.object]
+        self.T_world_object = target.pose.matrix
+        desired = np.array(self.task.desired_contacts)
+        self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        self.approach = approach_cone(self.task, self.T_world_object)
+        self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
+
+    def moved(self, name: str, scene: SceneDescription) -> TaskModel:
+        """Return the model after an object has moved; nothing is rebuilt.
+
+        Args:
+            name: of the object, the task's own or another one.
+            scene: the scene, which differs from this one's in the pose of that object alone.
+        """
+        model = copy.copy(self)
+        model.scene = scene
+        role: Role = "target" if name == self.task.object else "obstacle"
+        model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
+        model._place_object()
+        return model
 
     def object_surface(self, points: Array) -> tuple[Array, Array, Array]:
         """Return signed distance, outward normal and Hessian at world points; shapes (n,), (n, 3), (n, 3, 3)."""

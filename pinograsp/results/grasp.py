@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..arrays import Array
 from ..verification.certificate import Certificate
+from .setup import Setup
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,9 @@ class Grasp:
     cost: Cost
     contacts: tuple[Contact, ...]
     certificate: Certificate
+    setup: Setup | None = field(default=None, repr=False)
+    """Robot, scene and task that it belongs to; every grasp of a result has them. None on the way there: worker
+    processes do not send them with each grasp."""
 
 
 @dataclass(frozen=True)
@@ -77,9 +81,8 @@ class Blocked:
 class Result:
     """What a run found: verified grasps sorted by U, and what became of every start."""
 
-    robot: str
-    scene: str
-    task: str
+    setup: Setup = field(repr=False)
+    """Robot, scene and task; each of the grasps gets this object too."""
     grasps: tuple[Grasp, ...]
     starts: int
     """Starts asked for."""
@@ -98,6 +101,28 @@ class Result:
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
     """What is odd about the task."""
+    altered: bool = False
+    """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
+
+    def __post_init__(self) -> None:
+        """Tell every grasp where it belongs."""
+        grasps = tuple(g if g.setup is self.setup else replace(g, setup=self.setup) for g in self.grasps)
+        object.__setattr__(self, "grasps", grasps)
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot."""
+        return self.setup.robot.name
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.setup.scene.name
+
+    @property
+    def task(self) -> str:
+        """Name of the task."""
+        return self.setup.task
 
     @property
     def best(self) -> Grasp | None:

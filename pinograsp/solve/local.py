@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import asdict, dataclass, field
+from itertools import islice
 from typing import Any, Literal
 
 import numpy as np
@@ -26,7 +27,9 @@ class SolverOptions:
     algorithm: str = "LD_SLSQP"
     """Name of a backend."""
     max_evaluations: int | None = None
-    """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA. A failed start gets a second one."""
+    """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA."""
+    tries: int = 2
+    """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
     cost_tolerance: float = 1e-6
@@ -114,7 +117,7 @@ class LocalSolver:
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
         runs = []
-        for beginning in beginnings(problem, x, self._options.projection):
+        for beginning in islice(beginnings(problem, x, self._options.projection), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
             stop = self._backend.solve(program_from(recorder, beginning), self._options.limits)
             runs.append((recorder, stop))

@@ -34,11 +34,39 @@ def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> 
     if len(q) < count:
         wider = _selection(database, model, count, seed, SLACK)
         q = np.vstack([q, wider.q[~np.isin(wider.samples, found.samples)]])[:count]
-    for i in _turning(model).values():
-        q[:, i] -= TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / TURN)
+    return postures(model, q, held(model))
+
+
+def held(model: TaskModel) -> Array:
+    """Return the synergies that hold the pads as the desired contacts lie to each other, shape (s,).
+
+    They depend on where the object stands only by rounding.
+    """
     inward, free = -model.object_surface(model.desired_points)[1], hand_free(model.collisions, model.robot)
-    synergies = preshape(model.robot, model.desired_points, inward, free)
+    return preshape(model.robot, model.desired_points, inward, free)
+
+
+def postures(model: TaskModel, q: Array, synergies: Array) -> Array:
+    """Return postures (q_a, sigma), shape (n, l + s): joints moved by whole turns into the task's ranges.
+
+    Args:
+        model: the task.
+        q: arm configurations, rad (m), shape (n, l).
+        synergies: of the hand, shape (s,).
+    """
+    q = q.copy()
+    for i in turning(model).values():
+        q[:, i] -= TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / TURN)
     return np.column_stack([q, np.tile(synergies, (len(q), 1))])
+
+
+def turning(model: TaskModel) -> dict[str, int]:
+    """Return the index in the posture of every arm joint that has a range and turns (does not slide)."""
+    return {
+        name: i
+        for i, name in enumerate(model.robot.description.arm.joints)
+        if name in model.task.joint_ranges and model.robot.urdf.movable[name] != "prismatic"
+    }
 
 
 def _selection(database: Database, model: TaskModel, count: int, seed: int, slack: float) -> Configurations:
@@ -51,22 +79,13 @@ def _selection(database: Database, model: TaskModel, count: int, seed: int, slac
 
 def _intervals(model: TaskModel, slack: float) -> dict[str, list[tuple[float, float]]]:
     """Return, by arm joint with a range, what is in the range up to `slack` and whole turns; no slack for sliders."""
-    turning = _turning(model)
+    turned = turning(model)
     intervals: dict[str, list[tuple[float, float]]] = {}
     for i, name in enumerate(model.robot.description.arm.joints):
-        if name in turning:
+        if name in turned:
             low, high = float(model.lower[i]) - slack, float(model.upper[i]) + slack
             most = math.ceil((model.robot.upper[i] - model.robot.lower[i]) / TURN)
             intervals[name] = [(low + TURN * k, high + TURN * k) for k in range(-most, most + 1)]
         elif name in model.task.joint_ranges:
             intervals[name] = [(float(model.lower[i]), float(model.upper[i]))]
     return intervals
-
-
-def _turning(model: TaskModel) -> dict[str, int]:
-    """Return the index in the posture of every arm joint that has a range and turns (does not slide)."""
-    return {
-        name: i
-        for i, name in enumerate(model.robot.description.arm.joints)
-        if name in model.task.joint_ranges and model.robot.urdf.movable[name] != "prismatic"
-    }

@@ -7,5 +7,7 @@ figure from the claim: joint angles, contact points and forces. It shares no cod
 from .certificate import Certificate, Figure
 from .check import Verifier
 from .claim import Claim
+from .derived import Derived
+from .pair_clearances import PairClearance
 
-__all__ = ["Certificate", "Claim", "Figure", "Verifier"]
+__all__ = ["Certificate", "Claim", "Derived", "Figure", "PairClearance", "Verifier"]

@@ -13,9 +13,12 @@ from .certificate import Certificate, Figure
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, region_figure
+from .derived import Derived
+from .force_cost import force_cost
 from .forces import balance_figures, force_figures
 from .joints import limits_figure, mimic_figure
 from .kinematics import Kinematics, Poses
+from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
@@ -69,6 +72,20 @@ class Verifier:
             return Certificate(tuple(replace(figure, value=math.nan, where=where) for figure in figures))
         return Certificate(tuple(self._figures(claim)))
 
+    def derive(self, claim: Claim) -> Derived:
+        """Recompute what a grasp reports besides its certificate.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        self._require_complete(claim)
+        pad_normals = Pads.at(self._pads, self._kinematics.poses(claim.joints)).nearest(claim.points)[1]
+        return Derived(
+            normals=-np.array([self._target.inward(point) for point in claim.points]),
+            synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
+            V=force_cost(claim, pad_normals, self._pads, self._task),
+        )
+
     def check_posture(self, joints: dict[str, float]) -> Certificate:
         """Recompute the clearances of a posture to enclosure, obstacles and itself; the object does not count.
 
@@ -77,6 +94,23 @@ class Verifier:
         """
         poses = self._kinematics.poses(joints)
         return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
+
+    def clearances(self, joints: dict[str, float]) -> tuple[PairClearance, ...]:
+        """Return the distances below 50 mm of a posture, pair by pair, the least first.
+
+        Args:
+            joints: every movable joint of the URDF by name, rad (m).
+        """
+        poses = self._kinematics.poses(joints)
+        placed = Placed(self._robot.meshes, poses)
+        found = [
+            *wall_clearances(self._robot.moving, self._walls, poses),
+            *shape_clearances("obstacle clearance", self._obstacle_pairs, placed),
+            *shape_clearances("object clearance", self._target_pairs, placed),
+            *link_clearances("self clearance", self._enabled, placed),
+            *link_clearances("self collision", self._never, placed),
+        ]
+        return tuple(sorted(found, key=lambda pair: pair.distance))
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)

@@ -76,7 +76,7 @@ def shape_figure(name: str, pairs: Sequence[ShapePair], placed: Placed, limit: f
     apart = np.linalg.norm(centers - [shape.center for _, shape in pairs], axis=1)
     bounds = apart - [mesh.radius + shape.radius for mesh, shape in pairs]
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: _to_shape(*pairs[i], placed, most))
+    least, nearest = _least(bounds, cap, lambda i, most: shape_distance(*pairs[i], placed, most))
     where = "" if nearest is None else f"{pairs[nearest][0].link} / {pairs[nearest][1].name}"
     return Figure(name, least, limit, "m", "at least", where)
 
@@ -110,8 +110,11 @@ def _least(bounds: Array, cap: float, measure: Callable[[int, float], float]) ->
     return least, nearest
 
 
-def _to_shape(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -> float:
-    """Return the signed distance of a mesh to a shape; -inf where the mesh enters its innermost core."""
+def shape_distance(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -> float:
+    """Return the lesser of `most`, above zero, and the signed distance of a mesh to a shape, m.
+
+    It is -inf where the mesh enters the innermost core of the shape.
+    """
     if mesh.surrounds(placed.to_link(mesh.link, shape.center[None])):
         return -math.inf
     placement = placed.placements[mesh.link]

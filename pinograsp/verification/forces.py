@@ -52,7 +52,7 @@ def force_figures(claim: Claim, inward: Array, pads: Sequence[PadDescription], t
     """
     normal = np.einsum("ij,ij->i", claim.forces, inward)
     magnitude = np.linalg.norm(claim.forces, axis=1)
-    spin = np.array([_spin_force(t, pad) for t, pad in zip(claim.spin_torques, pads, strict=True)])
+    spin = np.array([spin_force(t, pad) for t, pad in zip(claim.spin_torques, pads, strict=True)])
     alpha = 1.0 / math.sqrt(1.0 + task.contact.friction**2)
     slip = alpha * np.hypot(magnitude, spin) - normal
     slipping, lightest, strongest = int(slip.argmax()), int(normal.argmin()), int(magnitude.argmax())
@@ -64,7 +64,7 @@ def force_figures(claim: Claim, inward: Array, pads: Sequence[PadDescription], t
     ]
 
 
-def _spin_force(torque: float, pad: PadDescription) -> float:
+def spin_force(torque: float, pad: PadDescription) -> float:
     """Return m_n / e, the share of a spin torque in the friction term, N; a hard finger bears no torque."""
     if isinstance(pad.contact, SoftFinger):
         return float(torque) / pad.contact.torsion_radius

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..descriptions import RobotDescription, SceneDescription
 from ..disk import write_whole
-from ..results.grasp import Grasp
+from ..errors import InputError
+from ..results.grasp import Grasp, Result
+from ..results.setup import Setup
 from . import camera
 from .approach import draw_approach
 from .coverage import coverage_html, coverage_png
@@ -27,33 +28,60 @@ ROOT = "pinograsp"
 """Node of the viewer's tree that holds the world."""
 
 
-def show(
-    grasp: Grasp,
-    robot: RobotDescription,
-    scene: SceneDescription,
-    task_name: str,
-    visualizer: Visualizer | None = None,
-) -> Visualizer:
+def show(grasp: Grasp | Result, visualizer: Visualizer | None = None) -> Visualizer:
     """Draw a grasp in a meshcat viewer, in place of what was drawn there before.
 
     Args:
-        grasp: the grasp.
-        robot: the robot file that it was found with.
-        scene: the scene file that it was found with.
-        task_name: the task in the scene.
+        grasp: a grasp of a result; of a result, the best.
         visualizer: viewer to draw in; without it a server is started, which ends with the process.
 
     Returns:
         The viewer; `open()` shows it in the browser, `url()` is its address.
 
     Raises:
-        InputError: no such task, a mesh cannot be read, or a joint of the robot has no angle.
+        InputError: a mesh cannot be read, a joint of the robot has no angle, the grasp belongs to no result, or the
+            result has no grasp.
     """
-    task = scene.task(task_name)
+    grasp, setup = _drawable(grasp)
     visualizer = live() if visualizer is None else visualizer
+    _draw(grasp, setup, visualizer)
+    return visualizer
+
+
+def write_html(grasp: Grasp | Result, file: Path, caption: str = "") -> None:
+    """Write a grasp as one HTML file: the picture, to turn with the mouse, beside its figures.
+
+    The file is complete or not there; an older one is replaced.
+
+    Args:
+        grasp: a grasp of a result; of a result, the best.
+        file: where to write.
+        caption: text below the figures.
+
+    Raises:
+        InputError: as for `show`, or the file cannot be written.
+    """
+    grasp, setup = _drawable(grasp)
+    recorder = Recorder()
+    _draw(grasp, setup, Visualizer(window=recorder))
+    write_whole(file, grasp_page(recorder.commands, grasp, setup, caption))
+
+
+def _drawable(grasp: Grasp | Result) -> tuple[Grasp, Setup]:
+    """Return the grasp to draw, and where it belongs."""
+    chosen = grasp.best if isinstance(grasp, Result) else grasp
+    if chosen is None:
+        raise InputError("the result has no grasp to draw")
+    if chosen.setup is None:
+        raise InputError("the grasp belongs to no result: its robot and its scene are not known")
+    return chosen, chosen.setup
+
+
+def _draw(grasp: Grasp, setup: Setup, visualizer: Visualizer) -> None:
+    scene, task = setup.scene, setup.scene.task(setup.task)
     world = visualizer[ROOT]
     world.delete()
-    draw_robot(world, robot, grasp.joints, scene.mounting.matrix)
+    draw_robot(world, setup.robot, grasp.joints, scene.mounting.matrix)
     draw_scene(world, scene, task)
     draw_forces(world, grasp, scene, task)
     if task.approach is not None:
@@ -63,32 +91,3 @@ def show(
     visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
     visualizer["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
     camera.place(world, camera.whole_box(scene, task))
-    return visualizer
-
-
-def write_html(
-    grasp: Grasp,
-    robot: RobotDescription,
-    scene: SceneDescription,
-    task_name: str,
-    file: Path,
-    caption: str = "",
-) -> None:
-    """Write a grasp as one HTML file: the picture, to turn with the mouse, beside its figures.
-
-    The file is complete or not there; an older one is replaced.
-
-    Args:
-        grasp: the grasp.
-        robot: the robot file that it was found with.
-        scene: the scene file that it was found with.
-        task_name: the task in the scene.
-        file: where to write.
-        caption: text below the figures.
-
-    Raises:
-        InputError: as for `show`, or the file cannot be written.
-    """
-    recorder = Recorder()
-    show(grasp, robot, scene, task_name, Visualizer(window=recorder))
-    write_whole(file, grasp_page(recorder.commands, grasp, robot, scene, task_name, caption))

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import umsgpack  # type: ignore[import-untyped]
 
-from ..descriptions import RobotDescription, SceneDescription
 from ..results.grasp import Contact, Grasp
+from ..results.setup import Setup
 from ..verification.certificate import Certificate, Figure
 from . import colors
 from .camera import View, close_up, whole_box, y_up
@@ -43,28 +43,19 @@ def page(title: str, panel: str, commands: list[dict[str, Any]], views: dict[str
     )
 
 
-def grasp_page(
-    commands: list[dict[str, Any]],
-    grasp: Grasp,
-    robot: RobotDescription,
-    scene: SceneDescription,
-    task_name: str,
-    caption: str,
-) -> str:
+def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, caption: str) -> str:
     """Return the page of a grasp.
 
     Args:
         commands: meshcat commands, in the order in which they are to be drawn.
         grasp: the grasp that they draw.
-        robot: the robot file.
-        scene: the scene file.
-        task_name: the task in the scene.
+        setup: robot, scene and task that it belongs to.
         caption: text below the heading.
     """
-    task = scene.task(task_name)
+    scene, task = setup.scene, setup.scene.task(setup.task)
     panel = (
         "<h1>Grasp</h1>",
-        f"<p>{escape(robot.name)} in {escape(scene.name)}, task {escape(task_name)}</p>",
+        f"<p>{escape(setup.robot.name)} in {escape(scene.name)}, task {escape(setup.task)}</p>",
         f"<p>{escape(caption)}</p>" if caption else "",
         view_button("whole-box", "Whole box") + view_button("close-up", "Close-up"),
         f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
@@ -74,7 +65,7 @@ def grasp_page(
         f"<table>{_certificate(grasp.certificate)}</table>",
     )
     views = {"whole-box": whole_box(scene, task), "close-up": close_up(grasp, scene, task)}
-    return page(f"{robot.name} / {scene.name} / {task_name}", "\n".join(panel), commands, views)
+    return page(f"{setup.robot.name} / {scene.name} / {setup.task}", "\n".join(panel), commands, views)
 
 
 def view_button(view: str, label: str) -> str:

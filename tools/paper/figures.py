@@ -121,7 +121,7 @@ def grasps_section(session: Session, results: Results, folder: Path) -> list[Blo
             file = folder / f"grasp-{name}-{case.name}.png"
             if best is None:
                 missing.append(f"{name}, {case.title}: no grasp was found")
-            elif reason := photograph(robot, case, best, file):
+            elif reason := photograph(best, file, case.title):
                 missing.append(f"{name}, {case.title}: {reason}")
             else:
                 pictures.append((file, f"{case.title}, {name}: U = {best.cost.U:.6g}"))
@@ -137,11 +137,11 @@ def grasps_section(session: Session, results: Results, folder: Path) -> list[Blo
     ]
 
 
-def photograph(robot: pinograsp.RobotModel, case: Case, grasp: pinograsp.Grasp, file: Path) -> str:
+def photograph(grasp: pinograsp.Grasp, file: Path, title: str) -> str:
     """Write the page of a grasp and a picture of it; return why there is no picture, or nothing."""
     page = file.with_suffix(".html")
     page.parent.mkdir(parents=True, exist_ok=True)
-    write_html(grasp, robot.description, pinograsp.load_scene(case.scene), case.task, page, caption=case.title)
+    write_html(grasp, page, caption=title)
     try:
         screenshot(page, file, size=(1280, 800), view="close-up")
     except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:

@@ -1,0 +1,101 @@
+"""What became of the starts of a run, and the result that says so."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, get_args
+
+import numpy as np
+
+from ..results import Blocked, Result, Setup, merge, provenance
+from ..solve.local import Outcome
+from .attempt import Attempt
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is."""
+
+    done: int
+    total: int
+    reliable: int
+    best_U: float
+    """Infinite until the first reliable grasp."""
+
+
+@dataclass
+class Run:
+    """A run on its way: filled as the starts are tried."""
+
+    setup: Setup
+    starts: int
+    warnings: Sequence[str] = ()
+    attempts: list[Attempt] = field(default_factory=list)
+    times: dict[str, float] = field(default_factory=dict)
+    """Seconds per stage."""
+    facts: dict[str, Any] = field(default_factory=dict)
+    """Seed, options and database, for the provenance."""
+    interrupted: bool = False
+
+    def progress(self, total: int) -> Progress:
+        """Return how far the run is, of so many starts."""
+        costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
+        return Progress(len(self.attempts), total, len(costs), min(costs, default=float("inf")))
+
+    def result(self) -> Result:
+        """Return the result of what was tried."""
+        attempts = self.attempts
+        outcomes = Counter(attempt.solution.outcome for attempt in attempts)
+        grasps = [attempt.grasp for attempt in attempts if attempt.grasp]
+        return Result(
+            setup=self.setup,
+            grasps=merge(grasps),
+            starts=self.starts,
+            counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
+            reliable=len(grasps),
+            refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified),
+            blocked=blocked(attempts),
+            interrupted=self.interrupted,
+            warnings=tuple(self.warnings),
+            times=self.times | _times(attempts),
+            provenance=provenance(self.setup.robot, self.setup.scene) | self.facts,
+        )
+
+
+def _times(attempts: Sequence[Attempt]) -> dict[str, float]:
+    if not attempts:
+        return {}
+    seconds = [attempt.solution.seconds for attempt in attempts]
+    return {
+        "solver_mean": float(np.mean(seconds)),
+        "solver_median": float(np.median(seconds)),
+        "verification_mean": float(np.mean([attempt.verify_seconds for attempt in attempts])),
+    }
+
+
+def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
+    """Return, per kind of constraint, how many starts it blocked and the nearest miss."""
+    found: dict[str, Blocked] = {}
+    for attempt in sorted(attempts, key=lambda a: a.solution.start):
+        if attempt.grasp:
+            continue
+        kind, miss, unit, where = _obstacle(attempt)
+        known = found.get(kind)
+        if known is None or miss < known.nearest_miss:
+            found[kind] = Blocked((known.starts if known else 0) + 1, miss, unit, where)
+        else:
+            found[kind] = Blocked(known.starts + 1, known.nearest_miss, known.unit, known.where)
+    return found
+
+
+def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
+    """Return kind, violation, unit and place of what kept an attempt from being reliable."""
+    if attempt.certificate:
+        figure = attempt.certificate.refuted_by[0]
+        return f"check of {figure.name}", abs(figure.value - figure.limit), figure.unit, figure.where
+    worst = attempt.solution.worst
+    if worst is None:
+        return "solver failure", 0.0, "", attempt.solution.message
+    return worst.name, worst.value, worst.unit, worst.where

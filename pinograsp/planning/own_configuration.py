@@ -1,0 +1,96 @@
+"""A configuration that the user gives: what the independent check says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InputError, close_names
+from ..kinematics.robot import RobotModel
+from ..problem import GraspProblem, State, TaskModel
+from ..results import claim_of
+from ..solve.projection import nearest_assignment
+from ..verification import Certificate, PairClearance, Verifier
+
+STEPS = 20
+TOWARDS_DESIRED = 1e-3
+"""Weight of the desired points, which decide where a contact is that could be anywhere along a line."""
+
+
+@dataclass(frozen=True)
+class ConfigurationCheck:
+    """What the independent check says of a configuration."""
+
+    certificate: Certificate
+    """Every figure, with the contacts where the pads are nearest to touching, and the best forces there."""
+    clearances: tuple[PairClearance, ...]
+    """Distances below 50 mm, pair by pair, the least first."""
+
+    @property
+    def verified(self) -> bool:
+        """Whether the configuration is a grasp."""
+        return self.certificate.verified
+
+
+Configuration = Mapping[str, float] | Sequence[float] | Array
+
+
+def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> ConfigurationCheck:
+    """Return what the independent check says of a configuration.
+
+    Args:
+        model: the task.
+        verifier: of the same task.
+        q: values by name, of every arm joint and synergy at least, further joints of the URDF as they are given (those
+            of a grasp do); or arm joints and synergies in the order of the robot file, shape (l + s,); rad (m).
+
+    Raises:
+        InputError: a value is missing, unknown or not finite.
+    """
+    posture, given = _posture(model.robot, q)
+    claim = claim_of(_touching(model, posture))
+    claim = replace(claim, joints=claim.joints | given)
+    return ConfigurationCheck(verifier.check(claim), verifier.clearances(claim.joints))
+
+
+def _posture(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:
+    """Return the posture (q_a, sigma), shape (l + s,), and the joints that were given by name."""
+    names = robot.posture_names
+    if isinstance(q, Mapping):
+        known = [*names, *robot.joint_names]
+        for name in q:
+            if name not in known:
+                raise InputError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
+        if missing := [name for name in names if name not in q]:
+            raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
+        posture = np.array([float(q[name]) for name in names])
+        given = {name: float(value) for name, value in q.items() if name in robot.joint_names}
+    else:
+        posture, given = np.asarray(q, dtype=float), {}
+        if posture.shape != (len(names),):
+            problem = f"{len(names)} values are wanted, not an array of shape {posture.shape}"
+            raise InputError(problem, key="q", remedy=f"Give {', '.join(names)}")
+    if not np.isfinite([*posture, *given.values()]).all():
+        raise InputError("a value is not finite", key="q")
+    return posture, given
+
+
+def _touching(model: TaskModel, posture: Array) -> State:
+    """Return the state of a posture with contacts where pads and object are nearest to touching."""
+    problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+    size = model.robot.posture_size
+    x = np.concatenate([posture, 0.5 * (problem.lower + problem.upper)[size:]])
+    problem = GraspProblem(model, nearest_assignment(model, problem.state(x)))
+    for _ in range(STEPS):
+        residual = problem.projection_residual(x, TOWARDS_DESIRED, 0.0)
+        J = residual.jacobian[:, size:]
+        step = np.linalg.lstsq(J, -residual.values, rcond=1e-9)[0]
+        moved = np.clip(x[size:] + step, problem.lower[size:], problem.upper[size:])
+        done = np.abs(moved - x[size:]).max() < 1e-12
+        x = np.concatenate([posture, moved])
+        if done:
+            break
+    return problem.state(x)

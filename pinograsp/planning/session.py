@@ -1,0 +1,241 @@
+"""A planner that stays warm: one robot in one scene, many tasks, objects that move."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import closing, contextmanager, nullcontext
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Self
+
+from ..arrays import Array
+from ..database import BuildProgress, Database, Identity, cached_database
+from ..descriptions import SceneDescription
+from ..descriptions.pose import Pose
+from ..descriptions.scene import Margins
+from ..errors import InputError
+from ..execution import GivenExecutor, Workers, own_workers
+from ..kinematics.robot import RobotModel
+from ..problem import GraspProblem, TaskModel, check_task
+from ..results import Grasp, Result, Setup
+from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
+from ..verification import Verifier
+from .attempt import attempt, attempts_of, lost_attempt
+from .bound import least_U
+from .outcomes import Progress, Run
+from .own_configuration import Configuration, ConfigurationCheck, checked
+
+DEFAULT_STARTS = 1304
+"""The paper's number of starts."""
+NEAREST = 400
+"""Starts that a search for single grasps tries at most."""
+QUICK = 60
+"""Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
+AT_THE_BOUND = 1e-3
+"""A U within this part of its lower bound cannot be bettered by more than that."""
+
+
+class Planner:
+    """Plans grasps of one robot in one scene; models, database, verifier and workers stay warm. A context manager.
+
+    Args:
+        robot: from `load_robot`; it is mounted where the scene says.
+        scene: from `load_scene`.
+        database: where the starts come from; None: a small one in the user's cache folder, built on first use.
+        workers: number of processes for `plan`; None: one for each core. They are begun at the first plan.
+        executor: takes their place: any `concurrent.futures.Executor` of processes, such as Dask's
+            `client.get_executor()`. It is not shut down.
+        options: how each start is solved.
+        build_progress: called after every batch while a database is built.
+
+    Raises:
+        InputError: a number is out of range, or both workers and an executor are given.
+    """
+
+    def __init__(
+        self,
+        robot: RobotModel,
+        scene: SceneDescription,
+        *,
+        database: Database | Path | str | None = None,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        options: SolverOptions | None = None,
+        build_progress: Callable[[BuildProgress], None] | None = None,
+    ) -> None:
+        _at_least("workers", 1 if workers is None else workers, 1)
+        if executor is not None and workers is not None:
+            raise InputError("is given with an executor", key="workers", remedy="Give one of them")
+        self.robot = robot
+        self.scene = scene
+        """As it is now: objects may have been moved."""
+        self._options = options or SolverOptions()
+        self._given, self._count, self._build_progress = database, workers, build_progress
+        self._workers: Workers = own_workers(workers) if executor is None else GivenExecutor(executor)
+        self._models: dict[str, TaskModel] = {}
+        self._hands: dict[str, HeldHand] = {}
+        self._bounds: dict[str, float] = {}
+        self._indices: dict[str, StartIndex] = {}
+
+    def __enter__(self) -> Self:
+        """Return the planner; its workers end with the block."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """End the workers."""
+        self._workers.__exit__(*error)
+
+    def plan(
+        self,
+        task: str,
+        *,
+        starts: int = DEFAULT_STARTS,
+        seed: int = 0,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> Result:
+        """Find, verify and rank grasps.
+
+        The same seed gives the same grasps for any number of workers. Ctrl-C ends the search and returns what was
+        found until then.
+
+        Args:
+            task: name of a task of the scene.
+            starts: number of starts.
+            seed: of the choice of starts.
+            progress: called after every start.
+
+        Raises:
+            InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
+                another robot, enclosure or margin, or a number is out of range.
+        """
+        _at_least("starts", starts, 1)
+        _at_least("seed", seed, 0)
+        began = time.perf_counter()
+        model = self._model(task)
+        run = Run(Setup(self.robot.description, self.scene, task), starts, check_task(model))
+        run.facts = {"seed": seed, "options": self._options.to_json()}
+        _evaluate_once(model)
+        run.times["prepare"] = time.perf_counter() - began
+        try:
+            with self._database(model.task.margin) as opened:
+                run.times["database"] = time.perf_counter() - began - run.times["prepare"]
+                postures = starts_near(opened, model, starts, seed)
+                identity = opened.identity.digest
+                run.facts["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": identity}
+            run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
+            solver_of = partial(LocalSolver, options=self._options)
+            prepare = partial(attempts_of, self.robot, self.scene, task, solver_of)
+            with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
+                for done in running:
+                    run.attempts.append(done)
+                    if progress:
+                        progress(run.progress(len(postures)))
+        except KeyboardInterrupt:
+            run.interrupted = True
+        run.times["total"] = time.perf_counter() - began
+        return run.result()
+
+    def grasps(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Iterator[Grasp]:
+        """Yield verified grasps as they come, in this process, from the starts whose hand is nearest to the object.
+
+        It ends after `most` grasps; at the deadline, after which no start begins; where a grasp's U is within 0.1 % of
+        its proven lower bound; or when the nearest starts are used up.
+
+        Args:
+            task: name of a task of the scene.
+            most: number of grasps.
+            deadline: seconds from the first call of `next`.
+
+        Raises:
+            InputError: as `plan`.
+        """
+        began = time.perf_counter()
+        model = self._model(task)
+        check_task(model)
+        if task not in self._hands:  # neither depends on where objects stand
+            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
+        postures = self._index(model).starts(model, self._hands[task], NEAREST)
+        quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
+        solver, verifier = LocalSolver(model, quick), self._verifier(task)
+        setup = Setup(self.robot.description, self.scene, task)
+        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
+        for index, posture in enumerate(postures):
+            if deadline is not None and time.perf_counter() - began > deadline:
+                return
+            grasp = attempt(solver, verifier, index, posture).grasp
+            if grasp is None:
+                continue
+            found += 1
+            yield replace(grasp, setup=setup)
+            if found == most or bound >= grasp.cost.U:
+                return
+
+    def move(self, name: str, pose: Pose | Array) -> None:
+        """Put an object of the scene at another pose; nothing is rebuilt.
+
+        Args:
+            name: of the object.
+            pose: of the object in the world; as an array: homogeneous, shape (4, 4).
+
+        Raises:
+            InputError: there is no such object.
+        """
+        there = pose if isinstance(pose, Pose) else Pose.of(pose)
+        self.scene = self.scene.with_object_pose(name, there)
+        self._models = {task: model.moved(name, self.scene) for task, model in self._models.items()}
+
+    def check(self, q: Configuration, task: str) -> ConfigurationCheck:
+        """Return the certificate figures and the clearances by pair of a configuration of the user's own.
+
+        Args:
+            q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+                synergies in the order of the robot file, shape (l + s,); rad (m).
+            task: name of a task of the scene: its object, margins and pads count.
+
+        Raises:
+            InputError: there is no such task, or a value is missing, unknown or not finite.
+        """
+        return checked(self._model(task), self._verifier(task), q)
+
+    def _model(self, task: str) -> TaskModel:
+        if task not in self._models:
+            self._models[task] = TaskModel(self.robot, self.scene, task)
+        return self._models[task]
+
+    def _verifier(self, task: str) -> Verifier:
+        return Verifier(self.robot.description, self.scene, task)
+
+    def _index(self, model: TaskModel) -> StartIndex:
+        """Return the starts in memory for the margins of a task."""
+        key = model.task.margin.model_dump_json()
+        if key not in self._indices:
+            with self._database(model.task.margin) as opened:
+                self._indices[key] = StartIndex(opened, model.robot)
+        return self._indices[key]
+
+    @contextmanager
+    def _database(self, margins: Margins) -> Iterator[Database]:
+        """Give the database to take starts from, for certain the right one; what is opened here is closed again."""
+        if self._given is None:
+            progress = self._build_progress
+            with cached_database(self.robot, self.scene, margins, workers=self._count, progress=progress) as cached:
+                yield cached
+            return
+        given = self._given
+        with nullcontext(given) if isinstance(given, Database) else Database.open(given) as opened:
+            opened.require(Identity.of(self.robot, self.scene, margins))
+            yield opened
+
+
+def _at_least(name: str, number: int, least: int) -> None:
+    if number < least:
+        raise InputError(f"must be at least {least}, not {number}", key=name)
+
+
+def _evaluate_once(model: TaskModel) -> None:
+    """Have everything compiled that evaluations need, here and once, not in every worker."""
+    problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+    problem.evaluate(0.5 * (problem.lower + problem.upper))

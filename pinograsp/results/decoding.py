@@ -1,0 +1,96 @@
+"""A result from JSON data, as `encoding` lays it out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..arrays import Array
+from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions.files import FileRoot, dotted
+from ..verification.certificate import Certificate, Figure
+from .grasp import Blocked, Contact, Cost, Grasp, Result
+from .setup import Setup
+
+Description = TypeVar("Description", bound=FileRoot)
+
+
+def decode(data: dict[str, Any]) -> Result:
+    """Return the result in JSON data.
+
+    Raises:
+        AttributeError, KeyError, OverflowError, TypeError, ValueError: something is missing or of another kind.
+    """
+    return Result(
+        setup=_setup(data["setup"]),
+        grasps=tuple(_grasp(grasp) for grasp in data["grasps"]),
+        starts=int(data["starts"]),
+        counts={outcome: int(count) for outcome, count in data["counts"].items()},
+        reliable=int(data["reliable"]),
+        refuted=int(data["refuted"]),
+        blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
+        interrupted=data["interrupted"],
+        warnings=tuple(data["warnings"]),
+        times=data["times_s"],
+        provenance=data["provenance"],
+    )
+
+
+def _setup(data: dict[str, Any]) -> Setup:
+    robot = _described(data["robot"], RobotDescription, "robot")
+    scene = _described(data["scene"], SceneDescription, "scene")
+    if data["task"] not in scene.tasks:
+        raise ValueError(f"setup.task: the scene has no task {data['task']!r}")
+    return Setup(robot, scene, data["task"])
+
+
+def _described(data: Any, model: type[Description], name: str) -> Description:
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{dotted(('setup', name, *first['loc']))}: {first['msg']}") from None
+
+
+def _grasp(data: dict[str, Any]) -> Grasp:
+    figures = [{key: value for key, value in f.items() if key != "holds"} for f in data["certificate"]["figures"]]
+    return Grasp(
+        start=int(data["start"]),
+        count=int(data["count"]),
+        joints=_finite(data["joints"]),
+        q_arm=_array(data["q_arm"]),
+        synergy=_array(data["synergy"]),
+        contact_parameters=_array(data["contact_parameters"]),
+        internal_forces=_array(data["internal_forces"]),
+        q_r=_finite(data["q_r"]),
+        cost=Cost(**_finite(data["cost"])),
+        contacts=tuple(_contact(contact) for contact in data["contacts"]),
+        certificate=Certificate(tuple(_figure(figure) for figure in figures)),
+    )
+
+
+def _array(numbers: list[float], *shape: int) -> Array:
+    return np.array(numbers, dtype=np.float64).reshape(shape or -1)
+
+
+def _finite(numbers: dict[str, Any]) -> dict[str, float]:
+    for name, number in numbers.items():
+        if not math.isfinite(number):
+            raise ValueError(f"{name} is {number}")
+    return {name: float(number) for name, number in numbers.items()}
+
+
+def _contact(data: dict[str, Any]) -> Contact:
+    vectors = {key: _array(value, 3) for key, value in data.items() if isinstance(value, list)}
+    return Contact(**{**data, **vectors, "spin_torque": float(data["spin_torque"])})
+
+
+def _figure(data: dict[str, Any]) -> Figure:
+    # null stands for a number that was not finite: a value that proves nothing, a limit that does not judge.
+    value = math.nan if data["value"] is None else float(data["value"])
+    unlimited = math.inf if data["sense"] == "at most" else -math.inf
+    limit = unlimited if data["limit"] is None else float(data["limit"])
+    return Figure(**{**data, "value": value, "limit": limit})

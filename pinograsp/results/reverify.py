@@ -1,0 +1,170 @@
+"""A result recomputed from itself: its joints, contact points and forces prove the rest, or refute it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions import robot_for
+from ..errors import InputError
+from ..verification import Claim, Verifier
+from .encoding import encode_grasp
+from .grasp import Cost, Grasp, Result
+from .provenance import file_hashes
+from .setup import Setup
+
+RELATIVE, ABSOLUTE = 1e-9, 1e-12
+"""Two numbers are the same if they are this near to each other, in any unit."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A number or a word of a result that is not what follows from the rest of it."""
+
+    grasp: int | None
+    """Number of the grasp, from 1; None: of the result as a whole."""
+    what: str
+    """Its key in the file; figures go by their names and contacts by their pads."""
+    stated: Any
+    recomputed: Any
+
+
+def verify(result: Result, progress: Callable[[int], None] | None = None) -> tuple[Difference, ...]:
+    """Recompute every certificate of a result, and what else follows from joints, contact points and forces.
+
+    Nothing but the result is used, and the URDF and the meshes that its robot names. Of a result that was read from a
+    file any change is found, by the digest; of these also if the digest was made to fit:
+
+    - every figure of the certificates;
+    - U, Phi and V, arm joints, synergies, normals and desired points, pads and links;
+    - the order of the grasps and the numbers of starts;
+    - the hashes of the robot's files.
+
+    Args:
+        result: from `plan` or `read_json`.
+        progress: called after every grasp with the number of those that are done.
+
+    Returns:
+        All differences; none if everything stands.
+
+    Raises:
+        InputError: a file of the robot is missing or cannot be read.
+    """
+    setup = result.setup
+    found = list(_of_the_whole(result))
+    verifier = Verifier(setup.robot, setup.scene, setup.task)
+    for number, grasp in enumerate(result.grasps, 1):
+        found += _of_grasp(number, grasp, setup, verifier)
+        if progress:
+            progress(number)
+    return tuple(found)
+
+
+def _of_the_whole(result: Result) -> Iterator[Difference]:
+    if result.altered:
+        yield Difference(None, "content of the file", "unchanged", "changed since it was written")
+    stated = dict(_leaves(result.provenance.get("sha256", {}), "provenance.sha256"))
+    recomputed = dict(_leaves(file_hashes(result.setup.robot, result.setup.scene), "provenance.sha256"))
+    yield from _differences(None, stated, recomputed)
+    found = sum(grasp.count for grasp in result.grasps)
+    feasible = result.counts.get("converged", 0) + result.counts.get("feasible", 0)
+    sums = {
+        "reliable": (result.reliable, found),
+        "refuted": (result.refuted, feasible - found),
+        "sum of counts": (result.done, found + sum(blocked.starts for blocked in result.blocked.values())),
+    }
+    for what, (number, recounted) in sums.items():
+        if number != recounted:
+            yield Difference(None, what, number, recounted)
+    costs = [grasp.cost.U for grasp in result.grasps]
+    for number, (U, before) in enumerate(zip(costs[1:], costs, strict=False), 2):
+        if before > U:
+            yield Difference(number, "place in the list", U, f"before grasp {number - 1}, whose U is greater")
+    if result.done > result.starts:
+        yield Difference(None, "starts", result.starts, result.done)
+
+
+def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> Iterator[Difference]:
+    try:
+        recomputed = _recomputed(grasp, setup, verifier)
+    except InputError as error:
+        yield Difference(number, "certificate", "verified", str(error))
+        return
+    stated = encode_grasp(grasp)
+    stated["certificate"]["verified"] = True  # that is what a result holds
+    yield from _differences(number, dict(_leaves(stated)), dict(_leaves(encode_grasp(recomputed))))
+
+
+def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
+    """Return the grasp that follows from the joints, contact points, forces and spin torques of another."""
+    task, contacts = setup.scene.task(setup.task), grasp.contacts
+    claim = Claim(
+        joints=grasp.joints,
+        points=np.array([contact.point for contact in contacts]),
+        forces=np.array([contact.force for contact in contacts]),
+        spin_torques=np.array([contact.spin_torque for contact in contacts]),
+    )
+    certificate, derived = verifier.check(claim), verifier.derive(claim)
+    desired = _desired_points(setup, np.array([contact.desired_point for contact in contacts]))
+    phi_mm2 = 1e6 * float(((claim.points - desired) ** 2).sum())
+    pads = robot_for(setup.robot, setup.scene, setup.task).pads
+    return replace(
+        grasp,
+        q_arm=np.array([grasp.joints[name] for name in setup.robot.arm.joints]),
+        synergy=derived.synergies,
+        cost=Cost(phi_mm2 + task.force_weight * derived.V, phi_mm2, derived.V),
+        contacts=tuple(
+            replace(contact, pad=pad.name, link=pad.link, normal=normal, desired_point=point)
+            for contact, pad, normal, point in zip(contacts, pads, derived.normals, desired, strict=True)
+        ),
+        certificate=certificate,
+    )
+
+
+def _desired_points(setup: Setup, stated: Array) -> Array:
+    """Return the desired points of the task that the stated ones are nearest to, each once; world, m, shape (n, 3)."""
+    task = setup.scene.task(setup.task)
+    T = setup.scene.objects[task.object].pose.matrix
+    remaining = [T[:3, :3] @ point + T[:3, 3] for point in np.array(task.desired_contacts)]
+    if len(remaining) != len(stated):
+        raise InputError(f"the task has {len(remaining)} desired contacts, the grasp {len(stated)} contacts")
+    found = []
+    for point in stated:
+        nearest = int(np.argmin([np.linalg.norm(point - other) for other in remaining]))
+        found.append(remaining.pop(nearest))
+    return np.array(found)
+
+
+def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the numbers and words in JSON data by key path, `certificate.figures.friction.value`."""
+    if isinstance(data, dict):
+        parts = data.items()
+    elif isinstance(data, list):
+        parts = {_label(part, index): part for index, part in enumerate(data)}.items()
+    else:
+        yield key, data
+        return
+    for name, part in parts:
+        yield from _leaves(part, f"{key}.{name}" if key else str(name))
+
+
+def _label(part: Any, index: int) -> str:
+    return str(part.get("name") or part.get("pad") or index) if isinstance(part, dict) else str(index)
+
+
+def _differences(number: int | None, stated: dict[str, Any], recomputed: dict[str, Any]) -> Iterator[Difference]:
+    for what in stated | recomputed:
+        one, other = stated.get(what), recomputed.get(what)
+        if not _same(one, other):
+            yield Difference(number, what, one, other)
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
+    return bool(one == other)

@@ -1,0 +1,49 @@
+"""Distances of a posture, pair by pair, where a certificate has only the least."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from .clearance import CAP, LinkPair, Placed, ShapePair, Walls, mesh_distance, shape_distance
+from .kinematics import Poses
+from .link_mesh import LinkMesh
+
+
+@dataclass(frozen=True)
+class PairClearance:
+    """The distance of a link to something else."""
+
+    name: str
+    """Kind of the clearance, as in a certificate."""
+    link: str
+    other: str
+    """Wall, obstacle, object or link."""
+    distance: float
+    """m, at most `CAP`; -inf where the two intersect and no exact depth is known."""
+
+
+def wall_clearances(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses) -> Iterator[PairClearance]:
+    """Yield the signed distances of links to walls that are below `CAP`."""
+    for mesh in meshes:
+        T = poses[mesh.link]
+        for wall, (inward, offset) in walls.items():
+            distance = float((mesh.hull @ (inward @ T[:3, :3])).min() + inward @ T[:3, 3] - offset)
+            if distance < CAP:
+                yield PairClearance("enclosure clearance", mesh.link, wall, distance)
+
+
+def shape_clearances(name: str, pairs: Sequence[ShapePair], placed: Placed) -> Iterator[PairClearance]:
+    """Yield the signed distances of links to bodies of the scene that are below `CAP`."""
+    for mesh, shape in pairs:
+        distance = shape_distance(mesh, shape, placed, CAP)
+        if distance < CAP:
+            yield PairClearance(name, mesh.link, shape.name, distance)
+
+
+def link_clearances(name: str, pairs: Sequence[LinkPair], placed: Placed) -> Iterator[PairClearance]:
+    """Yield the distances of pairs of links that are below `CAP`."""
+    for first, second in pairs:
+        distance = mesh_distance(first, second, placed, CAP)
+        if distance < CAP:
+            yield PairClearance(name, first.link, second.link, distance)

@@ -1,0 +1,103 @@
+"""Benchmark of a warm session: time to the first verified grasp of an object that stands anywhere in the box.
+
+    python tools/benchmark_session.py [--poses 100] [--seed 0]
+
+moves the sphere and the can of the glovebox to random poses and prints, for each, median and 95th percentile of the
+time to the first verified grasp on one core, and of what is neither solving nor checking. Poses where the object does
+not fit between the walls, or no grasp is found within a second, are counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+import pinograsp
+from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions.pose import Pose
+from pinograsp.planning import attempt as attempts
+
+TASKS = (("glovebox", "sphere", "sphere"), ("glovebox_can", "can", "can"))
+"""Scene, task, object."""
+DEADLINE = 1.0
+ROOM = 0.06
+"""Between object centres and walls, m."""
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--poses", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--robot", default="gen3_2f85")
+    arguments = parser.parse_args()
+    robot = pinograsp.load_robot(arguments.robot)
+    for scene, task, name in TASKS:
+        report(robot, scene, task, name, arguments.poses, arguments.seed)
+
+
+def report(robot: pinograsp.RobotModel, scene_name: str, task: str, name: str, count: int, seed: int) -> None:
+    """Print the figures of one task."""
+    scene = pinograsp.load_scene(scene_name)
+    began = time.perf_counter()
+    with pinograsp.Planner(robot, scene, workers=1) as planner:
+        first = next(planner.grasps(task), None)
+        print(f"{task}: first grasp of a cold session after {time.perf_counter() - began:.2f} s ({first is not None})")
+        moves, firsts, overheads, missed = [], [], [], 0
+        for pose in poses(scene, name, count, seed):
+            spent.clear()
+            began = time.perf_counter()
+            planner.move(name, pose)
+            moved = time.perf_counter()
+            try:
+                grasp = next(planner.grasps(task, most=1, deadline=DEADLINE), None)
+            except pinograsp.InputError:
+                missed += 1
+                continue
+            ended = time.perf_counter()
+            moves.append(moved - began)
+            overheads.append(ended - began - sum(spent))
+            if grasp is None:
+                missed += 1
+            else:
+                firsts.append(ended - began)
+    for what, values in (
+        ("move", moves),
+        ("first verified grasp", firsts),
+        ("besides solving and checking", overheads),
+    ):
+        low, middle, high = (1e3 * float(np.quantile(values, q)) for q in (0.5, 0.95, 1.0))
+        print(f"  {what:30} median {low:6.1f} ms, 95 % {middle:6.1f} ms, most {high:6.1f} ms")
+    print(f"  {len(firsts)} of {count} poses; no grasp within {DEADLINE:g} s in {missed}", flush=True)
+
+
+def poses(scene: SceneDescription, name: str, count: int, seed: int) -> list[Pose]:
+    """Return random poses of an object within the enclosure."""
+    rng = np.random.default_rng(seed)
+    low, high = np.array(scene.enclosure.min) + ROOM, np.array(scene.enclosure.max) - ROOM
+    found = []
+    for _ in range(count):
+        rpy = rng.uniform(-np.pi, np.pi, 3)
+        found.append(Pose(position=tuple(rng.uniform(low, high).tolist()), rpy=tuple(rpy.tolist())))
+    return found
+
+
+spent: list[float] = []
+"""Seconds of every start that was solved and checked."""
+
+
+def timed(*arguments: object, real=attempts.attempt) -> attempts.Attempt:
+    """Solve and check a start, and keep its time."""
+    began = time.perf_counter()
+    done = real(*arguments)
+    spent.append(time.perf_counter() - began)
+    return done
+
+
+if __name__ == "__main__":
+    from pinograsp.planning import session
+
+    session.attempt = timed
+    main()
