@@ -143,7 +143,6 @@ def test_folder_that_cannot_be_made_is_refused_before_the_work(run: Run, tmp_pat
         ["plan", "glovebox", "--task", "sphere", "--starts", "many"],
         ["plan", "glovebox", "--task", "sphere", "--workers", "0"],
         ["plan", "glovebox", "--task", "sphere", "--seed", "-1"],
-        ["plan", "glovebox", "--task", "sphere", "--algorithm", "LN_BOBYQA"],
         ["plan", "glovebox", "--task", "sphere", "--no-such-option"],
         ["schema", "task"],
         ["paint"],
@@ -190,8 +189,8 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
     assert result.best is None
     assert sum(blocked.starts for blocked in result.blocked.values()) == 4
-    assert "wall" in result.blocked["enclosure"].where
-    assert result.blocked["enclosure"].nearest_miss > 5.0
+    assert "wall" in result.blocked["enclosure clearance"].where
+    assert result.blocked["enclosure clearance"].nearest_miss > 5.0
     for kind, blocked in result.blocked.items():
         assert f"blocked by {kind}: {blocked.starts} starts, nearest miss" in output
     assert "wall z=-0.237" in output

@@ -476,7 +476,7 @@ def test_robot_check_is_clean(name: str) -> None:
 # ---- nothing about a robot is in Python
 
 PACKAGE = Path(pinograsp.__file__).parent
-DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("__init__", "database")}
+DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("plan", "database")}
 """The robot of a command that is given none."""
 EVERYBODYS = {"link1", "link2", "world", "base", "palm"} | set(TOOL_FRAMES)
 """Attributes of an SRDF, plain words, and names of tool frames that `robot new` looks for on any arm."""
