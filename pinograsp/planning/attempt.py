@@ -73,4 +73,4 @@ def attempts_of(
 def lost_attempt(item: tuple[int, Array], reason: str) -> Attempt:
     """Return the attempt of a start whose worker ended twice."""
     index, posture = item
-    return Attempt(Solution(index, "failed", (), posture, {}, 0, 0.0, f"start {index} lost: {reason}"))
+    return Attempt(Solution(index, "failed", (), posture, (), 0, 0.0, f"start {index} lost: {reason}"))
