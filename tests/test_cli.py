@@ -143,6 +143,7 @@ def test_folder_that_cannot_be_made_is_refused_before_the_work(run: Run, tmp_pat
         ["plan", "glovebox", "--task", "sphere", "--starts", "many"],
         ["plan", "glovebox", "--task", "sphere", "--workers", "0"],
         ["plan", "glovebox", "--task", "sphere", "--seed", "-1"],
+        ["plan", "glovebox", "--task", "sphere", "--algorithm", "LN_BOBYQA"],
         ["plan", "glovebox", "--task", "sphere", "--no-such-option"],
         ["schema", "task"],
         ["paint"],
