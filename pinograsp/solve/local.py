@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
-from .projection import Projection, beginnings, nearest_assignment
+from .projection import Projection, initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
@@ -117,9 +117,9 @@ class LocalSolver:
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
         runs = []
-        for beginning in islice(beginnings(problem, x, self._options.projection), self._options.tries):
+        for guess in islice(initial_guesses(problem, x, self._options.projection), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
-            stop = self._backend.solve(program_from(recorder, beginning), self._options.limits)
+            stop = self._backend.solve(program_from(recorder, guess), self._options.limits)
             runs.append((recorder, stop))
             if recorder.feasible:
                 break
