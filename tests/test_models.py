@@ -38,6 +38,7 @@ from pinograsp.kinematics.contacts import contact_kinematics, jacobian_derivativ
 from pinograsp.kinematics.forward import Configuration, forward
 from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import GraspProblem, TaskModel
+from pinograsp.problem.constraints.clearance import Clearance
 
 ROBOTS = ["gen3", "toy", "two_joint_toy", "paper"]
 CURVED = ["curved_gen3", "mixed_toy"]
@@ -590,7 +591,7 @@ def test_pairs_of_the_glovebox(sphere_task: TaskModel) -> None:
 
 def clearance(problem: GraspProblem, posture: Array) -> Any:
     x = np.concatenate([posture, np.zeros(problem.lower.size - posture.size)])
-    return problem.clearance(problem.state(x))
+    return Clearance(problem.model).inside(problem.state(x))
 
 
 def test_culling_changes_no_clearance(sphere_task: TaskModel, monkeypatch: pytest.MonkeyPatch) -> None:

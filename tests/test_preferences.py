@@ -13,13 +13,12 @@ import pytest
 import yaml
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
-from pinograsp import InputError, Result, RobotModel, SolverOptions, plan
+from pinograsp import Cone, InputError, Result, RobotModel, SolverOptions, plan
 from pinograsp.database import Database, build_database
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import ApproachDescription, Pose
-from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.problem.preferences import ApproachCone
-from pinograsp.problem.terms import approach, approach_angle
+from pinograsp.problem import GraspProblem, TaskModel, Violation
+from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp
 from pinograsp.solve import LocalSolver, starts_near
 from pinograsp.solve.starts import SLACK
@@ -134,10 +133,10 @@ def test_membership_is_rad_like(gen3: RobotModel, glovebox: SceneDescription, an
     z = wrist(problem, x)
 
     def value(off: float) -> float:
-        problem.model.approach = ApproachCone(np.array(tilted(z, off)), angle)
+        approach = Approach(Cone(2.0 * np.array(tilted(z, off)), angle), "wrist")
         state = problem.state(x)
-        assert approach_angle(state) == pytest.approx(min(off, 2 * math.pi - off), abs=1e-7)
-        return float(approach(state).values[0])
+        assert approach.angle(state) == pytest.approx(min(off, 2 * math.pi - off), abs=1e-7)
+        return float(approach.inside(state).values[0])
 
     assert value(angle) == pytest.approx(0.0, abs=1e-9)
     assert value(0.0) == pytest.approx((2 - math.sqrt(2)) * 2 * math.sin(angle / 2))
@@ -161,9 +160,9 @@ def test_a_cone_that_the_arm_cannot_keep_is_named(gen3: RobotModel, make_toy_sce
     model = TaskModel(toy, make_toy_scene(tasks={"ball": task}), "ball")
     solution = LocalSolver(model, SolverOptions(max_evaluations=30)).solve(0, np.array([0.0, 0.03]))
     assert not solution.feasible
-    degrees, where = solution.violations["approach"]
-    assert degrees == pytest.approx(90 - math.degrees(1.0), abs=0.01)
-    assert where == "arm"
+    [violation] = [violation for violation in solution.violations if violation.name == "approach"]
+    assert violation == Violation("approach", pytest.approx(90 - math.degrees(1.0), abs=0.01), "deg", "arm")
+    assert solution.worst == violation
 
 
 # ---- joint ranges

@@ -31,8 +31,8 @@ from pinograsp.descriptions.shapes import Cylinder, Shape, Sphere
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.onboarding import check_robot
 from pinograsp.onboarding.draft import TOOL_FRAMES
-from pinograsp.problem import GraspProblem, TaskModel, check_task
-from pinograsp.problem.terms import Residual
+from pinograsp.problem import GraspProblem, Residual, TaskModel, check_task
+from pinograsp.problem.constraints.clearance import Clearance
 from pinograsp.results import Contact, Grasp, Result
 from pinograsp.solve import starts_near
 from pinograsp.solve.projection import initial_guesses, nearest_assignment
@@ -326,7 +326,7 @@ def near_a_cylinder(problem: GraspProblem, x: Array) -> NDArray[np.bool_]:
     curved |= {link.get("name", "") for link in xml.iterfind("link[collision]") if link.find(".//cylinder") is not None}
     pairs = [problem.model.collisions.pairs[index] for index in problem.state(x).distances.indices]
     links = {pair.link for pair in pairs if {pair.link, pair.other} & curved}
-    return np.array([link in links for link in problem.clearance.links])
+    return np.array([link in links for link in Clearance(problem.model).links])
 
 
 # ---- grasps
