@@ -136,8 +136,12 @@ def _condition(
         parts.append(f"{square} <= $radius ** 2")
         values["radius"] = float(extent)
     if cone is not None:
-        axis = cone.direction
-        values |= {"cone_x": axis[0], "cone_y": axis[1], "cone_z": axis[2], "cosine": math.cos(cone.half_angle)}
+        values |= {
+            "cone_x": cone.axis[0],
+            "cone_y": cone.axis[1],
+            "cone_z": cone.axis[2],
+            "cosine": math.cos(cone.half_angle),
+        }
         parts.append("ax * $cone_x + ay * $cone_y + az * $cone_z >= $cosine")
     for name, intervals in joints.items():
         column = f"q{database.joints().index(name) + 1}"

@@ -11,13 +11,11 @@ from ..arrays import Array
 
 @dataclass(frozen=True)
 class Cone:
-    """Directions within `half_angle` (rad) of `axis` (3,), which may be of any length."""
+    """Directions within `half_angle` (rad) of `axis` (3,), a unit vector; it may be given in any length."""
 
     axis: Array
     half_angle: float
 
-    @property
-    def direction(self) -> Array:
-        """The axis as a unit vector, shape (3,)."""
+    def __post_init__(self) -> None:
         axis = np.asarray(self.axis, dtype=float)
-        return np.asarray(axis / np.linalg.norm(axis))
+        object.__setattr__(self, "axis", axis / np.linalg.norm(axis))

@@ -39,7 +39,7 @@ class Approach(Inside):
     """How far inside its cone the approach direction must be, rad: the solver's tolerance must not let it out."""
 
     def __init__(self, cone: Cone, wrist: str) -> None:
-        self._axis, self._angle, self._wrist = cone.direction, cone.half_angle, wrist
+        self._axis, self._angle, self._wrist = cone.axis, cone.half_angle, wrist
 
     def inside(self, state: State) -> Residual:
         z, d_z = approach_direction(state.configuration)
