@@ -14,6 +14,7 @@ from pathlib import Path as _Path
 from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
+from .descriptions.pose import Pose
 from .errors import InputError, PinograspError, WorkerLostError
 from .kinematics.robot import RobotModel
 from .planning import ConfigurationCheck, Planner, Progress, plan
@@ -48,6 +49,7 @@ __all__ = [
     "InputError",
     "PinograspError",
     "Planner",
+    "Pose",
     "Progress",
     "Result",
     "RobotModel",

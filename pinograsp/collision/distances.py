@@ -96,10 +96,10 @@ class CollisionModel:
 
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
-        turns, shifts = self._placed(configuration)
+        rotations, translations = self._placed(configuration)
         indices = _near(
-            turns,
-            shifts,
+            rotations,
+            translations,
             self._centers,
             self._radii,
             self._normals,
@@ -108,7 +108,7 @@ class CollisionModel:
             self._second,
             self._reach,
         )
-        values, points, normals = self._measure(indices, turns, shifts)
+        values, points, normals = self._measure(indices, rotations, translations)
         gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
         return Distances(indices, values, gradients)
 
@@ -125,9 +125,9 @@ class CollisionModel:
         """
         return self._measure(indices, *self._placed(configuration))
 
-    def _measure(self, indices: Indices, turns: Array, shifts: Array) -> tuple[Array, Array, Array]:
+    def _measure(self, indices: Indices, rotations: Array, translations: Array) -> tuple[Array, Array, Array]:
         for solid in {*self._first[indices].tolist(), *self._second[indices].tolist()}:
-            self._poses[solid].setTransform(turns[solid], shifts[solid])
+            self._poses[solid].setTransform(rotations[solid], translations[solid])
         values = np.empty(len(indices))
         points, normals = np.empty((len(indices), 3)), np.empty((len(indices), 3))
         result = self._result
@@ -142,24 +142,26 @@ class CollisionModel:
 
 
 @compiled
-def _placed(rotations: Array, translations: Array, joints: Indices, placements: Array) -> tuple[Array, Array]:
+def _placed(
+    joint_rotations: Array, joint_translations: Array, joints: Indices, placements: Array
+) -> tuple[Array, Array]:
     """Return rotations and translations of solids that are placed in the frames of joints."""
-    turns, shifts = np.zeros((len(joints), 3, 3)), np.empty((len(joints), 3))
+    rotations, translations = np.zeros((len(joints), 3, 3)), np.empty((len(joints), 3))
     for solid in range(len(joints)):
         joint = joints[solid]
         for row in range(3):
-            shifts[solid, row] = translations[joint, row]
+            translations[solid, row] = joint_translations[joint, row]
             for k in range(3):
-                shifts[solid, row] += rotations[joint, row, k] * placements[solid, k, 3]
+                translations[solid, row] += joint_rotations[joint, row, k] * placements[solid, k, 3]
                 for column in range(3):
-                    turns[solid, row, column] += rotations[joint, row, k] * placements[solid, k, column]
-    return turns, shifts
+                    rotations[solid, row, column] += joint_rotations[joint, row, k] * placements[solid, k, column]
+    return rotations, translations
 
 
 @compiled
 def _near(
-    turns: Array,
-    shifts: Array,
+    rotations: Array,
+    translations: Array,
     centers: Array,
     radii: Array,
     normals: Array,
@@ -171,8 +173,8 @@ def _near(
     """Return the pairs that can be nearer than their reach, from bounding spheres; walls have an infinite radius.
 
     Args:
-        turns: rotations of the solids, shape (solids, 3, 3).
-        shifts: translations of the solids, world, m, shape (solids, 3).
+        rotations: rotations of the solids, shape (solids, 3, 3).
+        translations: translations of the solids, world, m, shape (solids, 3).
         centers: of the bounding spheres, in the solids' frames, m, shape (solids, 3).
         radii: of the solids, m, shape (solids,).
         normals: of the walls, inward, in their own frames, shape (solids, 3).
@@ -181,11 +183,11 @@ def _near(
         second: solid or wall of every pair, shape (pairs,).
         reach: of every pair, m, shape (pairs,).
     """
-    at = shifts.copy()
+    at = translations.copy()
     for solid in range(len(at)):
         for row in range(3):
             for k in range(3):
-                at[solid, row] += turns[solid, row, k] * centers[solid, k]
+                at[solid, row] += rotations[solid, row, k] * centers[solid, k]
     near = np.empty(len(first), dtype=np.intp)
     count = 0
     for pair in range(len(first)):
@@ -195,8 +197,8 @@ def _near(
             for axis in range(3):
                 inward = 0.0
                 for k in range(3):
-                    inward += turns[b, axis, k] * normals[b, k]
-                height += (at[a, axis] - shifts[b, axis]) * inward
+                    inward += rotations[b, axis, k] * normals[b, k]
+                height += (at[a, axis] - translations[b, axis]) * inward
             close = height - radii[a] < reach[pair]
         else:
             square, limit = 0.0, reach[pair] + radii[a] + radii[b]
