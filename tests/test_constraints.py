@@ -176,6 +176,7 @@ def test_pad_tangency_tells_front_from_back(grasp: Place) -> None:
     np.testing.assert_allclose(np.linalg.norm(tangency.sums(back).values), 2 * math.sqrt(2), atol=1e-4)
     [violation] = tangency.violations(back)
     assert violation.value == pytest.approx(180.0, abs=0.1)
+    assert violation.size == pytest.approx(1e3 * math.pi * 0.0373, rel=1e-3)  # the way along half the surface
 
 
 def test_unbalanced_wrench_is_the_distance_of_the_weight_from_the_contact_line(place: Place) -> None:
@@ -229,7 +230,8 @@ def test_the_larger_part_of_the_unbalanced_wrench_is_named(grasp: Place) -> None
         state = problem.state(x)
         relative = balance.unbalanced(state).values[0] - UNBALANCED
         assert relative > 0.0
-        assert balance.violations(state) == [Violation(name, pytest.approx(size * relative), unit, "")]
+        counts = pytest.approx(1e3 * load.rho * relative)
+        assert balance.violations(state) == [Violation(name, pytest.approx(size * relative), unit, "", counts)]
 
 
 @pytest.mark.parametrize(
@@ -397,8 +399,8 @@ class WristHeight(Inside):
         return Residual(place[2:], jacobian)
 
     def violations(self, state: State) -> list[Violation]:
-        below = self.least - float(self.inside(state).values[0])
-        return [Violation("wrist height", max(0.0, 1e3 * below), "mm", self._wrist)]
+        below = max(0.0, 1e3 * (self.least - float(self.inside(state).values[0])))
+        return [Violation("wrist height", below, "mm", self._wrist, size=below)]
 
 
 class WristAtHeight(WristHeight):
@@ -433,7 +435,8 @@ def test_a_constraint_from_outside(place: Place) -> None:
     with_it, without = (np.linalg.norm(p.projection_residual(x, 1.0, 0.0).values) for p in (problem, place.problem))
     assert with_it**2 - without**2 == pytest.approx((100.0 * max(0.0, below)) ** 2, rel=1e-6, abs=1e-9 * without**2)
     wrist = model.robot.description.arm.wrist
-    expected = Violation("wrist height", pytest.approx(max(0.0, 1e3 * below)), "mm", wrist)
+    value = pytest.approx(max(0.0, 1e3 * below))
+    expected = Violation("wrist height", value, "mm", wrist, size=value)
     assert problem.violations(problem.state(x))[-1] == expected
 
 

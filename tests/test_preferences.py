@@ -161,7 +161,8 @@ def test_a_cone_that_the_arm_cannot_keep_is_named(gen3: RobotModel, make_toy_sce
     solution = LocalSolver(model, SolverOptions(max_evaluations=30)).solve(0, np.array([0.0, 0.03]))
     assert not solution.feasible
     [violation] = [violation for violation in solution.violations if violation.name == "approach"]
-    assert violation == Violation("approach", pytest.approx(90 - math.degrees(1.0), abs=0.01), "deg", "arm")
+    beyond = pytest.approx(90 - math.degrees(1.0), abs=0.01)
+    assert violation == Violation("approach", beyond, "deg", "arm", size=beyond)
     assert solution.worst == violation
 
 

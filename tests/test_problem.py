@@ -52,7 +52,8 @@ def test_violations_are_in_millimetres(grasp: Place) -> None:
     gaps = 1e3 * np.abs(np.linalg.norm(state.contacts.points - state.model.load.center_of_mass, axis=1) - 0.0373)
     [found] = [violation for violation in problem.violations(state) if violation.name == "contact gap"]
     assert gaps.max() > 1.0
-    assert found == Violation("contact gap", pytest.approx(gaps.max()), "mm", ["left", "right"][int(gaps.argmax())])
+    value = pytest.approx(gaps.max())
+    assert found == Violation("contact gap", value, "mm", ["left", "right"][int(gaps.argmax())], size=value)
     assert problem.evaluate(x).violation >= 0.1 * gaps.max() * (1 - 1e-9)
 
 

@@ -60,6 +60,8 @@ class Violation:
     unit: str
     where: str
     """Pad, joint or pair of bodies that is worst; may be empty."""
+    size: float
+    """What it weighs, as so many millimetres: compares violations of different units."""
 
 
 class Constraint(Protocol):

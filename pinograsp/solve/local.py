@@ -84,8 +84,8 @@ class Solution:
 
     @property
     def worst(self) -> Violation | None:
-        """The largest violation; None where the solver failed."""
-        return max(self.violations, key=lambda violation: violation.value, default=None)
+        """The violation that weighs most; None where the solver failed."""
+        return max(self.violations, key=lambda violation: violation.size, default=None)
 
 
 class LocalSolver:

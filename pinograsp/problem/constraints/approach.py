@@ -56,8 +56,8 @@ class Approach(Inside):
         return 2.0 * math.asin(min(1.0, 0.5 * float(np.linalg.norm(z - self._axis))))
 
     def violations(self, state: State) -> list[Violation]:
-        beyond = self.angle(state) + self.least - self._angle
-        return [Violation("approach", max(0.0, math.degrees(beyond)), "deg", self._wrist)]
+        beyond = max(0.0, math.degrees(self.angle(state) + self.least - self._angle))
+        return [Violation("approach", beyond, "deg", self._wrist, size=beyond)]
 
 
 def approach(model: TaskModel) -> Approach | None:

@@ -68,7 +68,8 @@ class Clearance(Inside):
             pair = self._pairs[index]
             if pair.kind not in worst or value < worst[pair.kind][0]:
                 worst[pair.kind] = (value, pair.name)
-        return [Violation(name, max(0.0, -1e3 * least), "mm", pair) for name, (least, pair) in worst.items()]
+        missing = [(name, max(0.0, -1e3 * least), pair) for name, (least, pair) in worst.items()]
+        return [Violation(name, value, "mm", pair, size=value) for name, value, pair in missing]
 
 
 @compiled

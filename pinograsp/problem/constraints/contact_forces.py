@@ -34,4 +34,4 @@ class ContactForces(Constraint):
     def violations(self, state: State) -> list[Violation]:
         pad, term = divmod(int(state.forces.barrier.terms.argmax()), len(TERMS))
         excess = max(0.0, math.log(state.forces.V / self._strict))
-        return [Violation(TERMS[term], excess, "", self._pads[pad])]
+        return [Violation(TERMS[term], excess, "", self._pads[pad], size=excess)]

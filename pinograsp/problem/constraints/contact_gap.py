@@ -35,6 +35,6 @@ class ContactGap(Constraint, Projected):
         return self.gaps(state).scaled(weight * PER_METRE)
 
     def violations(self, state: State) -> list[Violation]:
-        gaps = np.abs(state.surface[0])
+        gaps = 1e3 * np.abs(state.surface[0])
         worst = int(gaps.argmax())
-        return [Violation("contact gap", 1e3 * float(gaps[worst]), "mm", self._pads[worst])]
+        return [Violation("contact gap", float(gaps[worst]), "mm", self._pads[worst], size=float(gaps[worst]))]

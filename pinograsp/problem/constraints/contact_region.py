@@ -35,7 +35,7 @@ class ContactRegion(Inside):
         values = self.inside(state).values
         worst = int(values.argmin())
         outside = max(0.0, 1e3 * float(self.least - values[worst]))
-        return [Violation("contact region", outside, "mm", self._pads[worst])]
+        return [Violation("contact region", outside, "mm", self._pads[worst], size=outside)]
 
 
 def contact_region(model: TaskModel) -> ContactRegion | None:

@@ -42,7 +42,8 @@ class JointLimits(Inside):
         above = self.inside(state).values - self.least
         worst = int(above.argmin())
         name = self._names[worst % len(self._names)]
-        return [Violation("joint limits", max(0.0, -math.degrees(above[worst])), "deg", name)]
+        beyond = max(0.0, -math.degrees(above[worst]))
+        return [Violation("joint limits", beyond, "deg", name, size=beyond)]
 
 
 def joint_limits(model: TaskModel) -> JointLimits | None:

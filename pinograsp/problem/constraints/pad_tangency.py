@@ -30,7 +30,7 @@ class PadTangency(Constraint, Projected):
 
     def __init__(self, model: TaskModel) -> None:
         self._pads = [pad.name for pad in model.robot.description.pads]
-        self._scale = PER_METRE * model.load.rho
+        self._rho = model.load.rho
         self.rows = tuple(f"pad tangency of {pad}, {axis}" for pad in self._pads for axis in "xyz")
 
     def sums(self, state: State) -> Residual:
@@ -42,7 +42,7 @@ class PadTangency(Constraint, Projected):
         return Residual(values.ravel(), jacobian.reshape(values.size, -1))
 
     def residual(self, state: State) -> Residual:
-        return self.sums(state).scaled(self._scale)
+        return self.sums(state).scaled(PER_METRE * self._rho)
 
     def projection(self, state: State, weight: float) -> Residual:
         return self.sums(state).scaled(weight * PROJECTED)
@@ -51,7 +51,8 @@ class PadTangency(Constraint, Projected):
         sums = np.linalg.norm(state.contacts.normals + state.surface[1], axis=1)
         worst = int(sums.argmax())
         tilt = 2.0 * math.asin(min(1.0, 0.5 * float(sums[worst])))
-        return [Violation("pad tangency", math.degrees(tilt), "deg", self._pads[worst])]
+        size = 1e3 * self._rho * tilt
+        return [Violation("pad tangency", math.degrees(tilt), "deg", self._pads[worst], size)]
 
     def independent(self, state: State) -> Array:
         """Return, of the three components of every pad, the two across the surface's normal, shape (2 n, 3 n)."""

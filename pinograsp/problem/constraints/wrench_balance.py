@@ -31,12 +31,14 @@ class WrenchBalance(Constraint):
 
     def __init__(self, model: TaskModel) -> None:
         self._models, self._rho = model.contact_models, model.load.rho
-        self._size = float(np.linalg.norm(model.load.scaled)) or 1.0
+        self._wrench = float(np.linalg.norm(model.load.scaled)) or 1.0
 
     def unbalanced(self, state: State) -> Residual:
         """Return |w + G f| / |w| with torques divided by rho, shape (1,); zero if there is no wrench."""
         gradient = residual_gradient(state.statics, state.grasp_derivatives, self._models)
-        return Residual(np.array([np.linalg.norm(state.statics.residual) / self._size]), gradient[None] / self._size)
+        return Residual(
+            np.array([np.linalg.norm(state.statics.residual) / self._wrench]), gradient[None] / self._wrench
+        )
 
     def residual(self, state: State) -> Residual:
         unbalanced = self.unbalanced(state)
@@ -47,10 +49,11 @@ class WrenchBalance(Constraint):
 
     def violations(self, state: State) -> list[Violation]:
         rest = state.statics.residual
-        excess = max(0.0, float(np.linalg.norm(rest)) - UNBALANCED * self._size)
+        excess = max(0.0, float(np.linalg.norm(rest)) - UNBALANCED * self._wrench)
+        size = 1e3 * self._rho * excess / self._wrench
         if np.linalg.norm(rest[:3]) > np.linalg.norm(rest[3:]):
-            return [Violation("force balance", excess, "N", "")]
-        return [Violation("torque balance", 1e3 * self._rho * excess, "N mm", "")]
+            return [Violation("force balance", excess, "N", "", size)]
+        return [Violation("torque balance", 1e3 * self._rho * excess, "N mm", "", size)]
 
 
 def wrench_balance(model: TaskModel) -> WrenchBalance | None:
