@@ -677,7 +677,7 @@ def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
     at = coal.Transform3s(np.eye(3), point)
-    geometry, probe = surface.coal_shape(), 1e-3
+    [geometry], probe = surface.solids(), 1e-3
     expected = coal.distance(geometry, coal.Transform3s(), coal.Sphere(probe), at, request, result) + probe
     [distance], _, _ = surface.signed_distance(point[None])
     assert distance == pytest.approx(expected, abs=2e-6)
