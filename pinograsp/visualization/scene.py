@@ -14,7 +14,6 @@ from .surfaces import surface_mesh
 from .symbols import Look, Piece, box, box_edges, draw
 from .viewer import LayeredMesh, Visualizer, geometry
 
-
 WALL_THICKNESS = 0.004
 EDGE_RADIUS = 0.003
 
