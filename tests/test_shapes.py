@@ -201,14 +201,15 @@ def test_refined_triangles_are_the_same_facets(shape: ShapeDescription, register
 @every_shape
 def test_it_is_drawn_with_the_normals_of_its_surface(shape: ShapeDescription, registered: None) -> None:
     surface = surface_of(shape)
-    mesh = surface_mesh(surface, surface.tessellation())
-    attributes = mesh.lower({})["data"]["attributes"]
-    normals = np.frombuffer(attributes["normal"]["array"].data, dtype=np.float32).reshape(-1, 3)
-    assert normals.shape == mesh.vertices.shape
-    middles = mesh.vertices[mesh.faces].mean(axis=1)
-    _, expected, _ = surface.signed_distance(middles.astype(np.float64))
-    curved = np.einsum("nki,ni->nk", normals[mesh.faces], expected)
-    assert curved.min() > 0.98  # at an edge of the shape, too, a triangle has the normals of its own side
+    for tessellation in (refined(surface.tessellation(), 0.002), surface.tessellation()):
+        mesh = surface_mesh(surface, tessellation)
+        attributes = mesh.lower({})["data"]["attributes"]
+        normals = np.frombuffer(attributes["normal"]["array"].data, dtype=np.float32).reshape(-1, 3)
+        assert normals.shape == mesh.vertices.shape
+        middles = mesh.vertices[mesh.faces].mean(axis=1)
+        _, expected, _ = surface.signed_distance(middles.astype(np.float64))
+        along = np.einsum("nki,ni->nk", normals[mesh.faces], expected)
+        assert along.min() > 0.98  # at an edge of the shape, too, a triangle has the normals of its own side
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=2e-3)
     assert mesh_bytes(mesh) < 100_000
 

@@ -11,8 +11,9 @@ from ..geometry.shapes import Surface
 from ..geometry.tessellation import Tessellation
 from .viewer import geometry
 
-INTO_FACET = 1e-3
-"""How far from a triangle's corner to its middle the normal is taken: off the edge that the corner may lie on."""
+INWARD, OUTWARD = 1e-6, 0.01
+"""Where normals are taken: off the corner of a triangle towards its middle, as a part of that way, and off the
+triangle to the outside, in radii of the shape. So an edge on which the corner lies does not count."""
 DIGITS = 3
 """Decimals of normals; corners of one vertex that agree in them are joined."""
 
@@ -41,8 +42,7 @@ def surface_mesh(surface: Surface, tessellation: Tessellation, paint: Array | No
         paint: colour of every triangle, red, green and blue in [0, 1], shape (m, 3); none if not given.
     """
     corners = tessellation.corners
-    beside = corners + INTO_FACET * (corners.mean(axis=1, keepdims=True) - corners)
-    normals = np.round(surface.signed_distance(beside.reshape(-1, 3))[1], DIGITS) + 0.0  # no -0
+    normals = np.round(_normals(surface, corners), DIGITS) + 0.0  # no -0
     colors = np.zeros_like(normals) if paint is None else np.repeat(paint, 3, axis=0)
     seen = np.column_stack([tessellation.triangles.reshape(-1), normals, colors])
     _, first, joined = np.unique(seen, axis=0, return_index=True, return_inverse=True)
@@ -52,3 +52,13 @@ def surface_mesh(surface: Surface, tessellation: Tessellation, paint: Array | No
         normals[first],
         None if paint is None else colors[first],
     )
+
+
+def _normals(surface: Surface, corners: Array) -> Array:
+    """Return the surface's normal at every corner of triangles, each seen from its triangle; shape (3 m, 3)."""
+    facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.repeat(facets / np.linalg.norm(facets, axis=1, keepdims=True), 3, axis=0)
+    inward = (corners + INWARD * (corners.mean(axis=1, keepdims=True) - corners)).reshape(-1, 3)
+    for _ in range(2):  # the second time along the surface's own normal: the same for all triangles of a corner
+        normals = surface.signed_distance(inward + OUTWARD * surface.radius * normals)[1]
+    return normals
