@@ -672,15 +672,16 @@ def test_derivatives_of_signed_distance(shape: Shape, point: Array) -> None:
 @settings(max_examples=150)
 @given(shape=SHAPES, point=POINTS)
 def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
-    # Coal errs on the axis and in the middle plane.
-    assume(not isinstance(shape, Cylinder) or (np.hypot(point[0], point[1]) > 1e-3 and abs(point[2]) > 1e-3))
     surface = surface_of(shape)
+    [distance], _, _ = surface.signed_distance(point[None])
+    # Coal errs where the centre of a ball is in a cylinder, and on its axis and in its middle plane.
+    far = distance > 1e-6 and np.hypot(point[0], point[1]) > 1e-3 and abs(point[2]) > 1e-3
+    assume(far or not isinstance(shape, Cylinder))
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
     at = coal.Transform3s(np.eye(3), point)
-    geometry, probe = surface.coal_shape(), 1e-3
+    [geometry], probe = surface.solids(), 1e-3
     expected = coal.distance(geometry, coal.Transform3s(), coal.Sphere(probe), at, request, result) + probe
-    [distance], _, _ = surface.signed_distance(point[None])
     assert distance == pytest.approx(expected, abs=2e-6)
 
 

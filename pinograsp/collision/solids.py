@@ -70,7 +70,7 @@ _PRIMITIVES = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder
 
 def scene_body(role: Role, name: str, body: BodyDescription) -> Body:
     """Return an obstacle or object of the scene."""
-    solids = (bounded(surface_of(body.shape).coal_shape(), IDENTITY),)
+    solids = tuple(bounded(solid, IDENTITY) for solid in surface_of(body.shape).solids())
     return Body(role, name, 0, body.pose.matrix, solids, _wholes(solids))
 
 

@@ -1,6 +1,7 @@
-"""Shapes as they stand in a scene file: one class a shape, registered in `Shape`.
+"""Shapes as they stand in a scene file: one class a shape, registered in `SHAPES`.
 
-The geometry of a shape is in `pinograsp.geometry.shapes`; the verification has its own.
+A shape also has its geometry, registered in `pinograsp.geometry.shapes.SURFACES`, and the independent one of the
+verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows which shapes there are.
 """
 
 from __future__ import annotations
@@ -10,18 +11,25 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .files import Frozen, Number
+from .kinds import Kinds
 
 Length = Annotated[Number, Field(gt=0.0)]
 
 
-class Sphere(Frozen):
+class ShapeDescription(Frozen):
+    """A convex shape in its own frame; each class narrows `type` to its name."""
+
+    type: str
+
+
+class Sphere(ShapeDescription):
     """A ball around the origin of its frame."""
 
     type: Literal["sphere"]
     radius: Length
 
 
-class Box(Frozen):
+class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
 
     type: Literal["box"]
@@ -29,7 +37,7 @@ class Box(Frozen):
     """Edge lengths along x, y, z."""
 
 
-class Cylinder(Frozen):
+class Cylinder(ShapeDescription):
     """A cylinder around the z axis of its frame, centred at the origin."""
 
     type: Literal["cylinder"]
@@ -37,4 +45,7 @@ class Cylinder(Frozen):
     height: Length
 
 
-Shape = Annotated[Sphere | Box | Cylinder, Field(discriminator="type")]
+SHAPES = Kinds(Sphere, Box, Cylinder)
+"""Every shape that a scene file may have."""
+
+Shape = Annotated[ShapeDescription, SHAPES]

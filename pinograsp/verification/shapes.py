@@ -7,6 +7,7 @@ A class gives the shape in its own frame; `PlacedShape` puts it into the world. 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.scene import Body
-from ..descriptions.shapes import Box, Cylinder, Sphere
+from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
 
 PENETRATION = 2e-5
 """How deep a link may stick in the object, m: 0.02 mm."""
@@ -54,7 +55,7 @@ class SphereGeometry:
     def __init__(self, shape: Sphere) -> None:
         self._radius = float(shape.radius)
         core = 1e-3 * self._radius
-        self.cores = (Core(coal.Sphere(core), self._radius - core),)
+        self.cores: tuple[Core, ...] = (Core(coal.Sphere(core), self._radius - core),)
 
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the surface."""
@@ -132,7 +133,12 @@ class CylinderGeometry:
         return math.hypot(math.hypot(point[0], point[1]) + self._radius, abs(float(point[2])) + self._half)
 
 
-GEOMETRY: dict[type, Any] = {Sphere: SphereGeometry, Box: BoxGeometry, Cylinder: CylinderGeometry}
+GEOMETRY: dict[type[ShapeDescription], Callable[[Any], Geometry]] = {
+    Sphere: SphereGeometry,
+    Box: BoxGeometry,
+    Cylinder: CylinderGeometry,
+}
+"""The geometry of each described shape, made from its description. A new shape is registered here."""
 
 
 class PlacedShape:
@@ -140,7 +146,7 @@ class PlacedShape:
 
     def __init__(self, name: str, body: Body) -> None:
         self.name = name
-        self._geometry: Geometry = GEOMETRY[type(body.shape)](body.shape)
+        self._geometry = GEOMETRY[type(body.shape)](body.shape)
         T = body.pose.matrix
         self._rotation, self.center = T[:3, :3], T[:3, 3]
         self.radius = self._geometry.radius_about(np.zeros(3))

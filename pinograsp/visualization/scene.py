@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
-from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..descriptions.regions import Region
 from ..descriptions.scene import Body, Enclosure
-from ..descriptions.shapes import Box, Cylinder, Sphere
+from ..geometry.shapes import surface_of
 from . import colors
 from .regions import painted_surface
-from .symbols import Look, Piece, box, box_edges, draw, frustum
+from .surfaces import surface_mesh
+from .symbols import Look, Piece, box, box_edges, draw
 from .viewer import LayeredMesh, Visualizer, geometry
-
-
-def _height(z: float) -> Array:
-    return np.array([0.0, 0.0, z])
-
-
-SHAPES: dict[type, Callable[[Any], Piece]] = {
-    Sphere: lambda shape: Piece(geometry.Sphere(shape.radius), np.eye(4)),
-    Box: lambda shape: Piece(geometry.Box(list(shape.size)), np.eye(4)),
-    Cylinder: lambda shape: frustum(_height(-shape.height / 2), _height(shape.height / 2), shape.radius, shape.radius),
-}
-"""How each shape of the scene file is drawn, in its own frame."""
 
 WALL_THICKNESS = 0.004
 EDGE_RADIUS = 0.003
@@ -53,8 +38,8 @@ def _draw_object(node: Visualizer, body: Body, region: Region | None) -> None:
 
 def draw_body(node: Visualizer, body: Body, look: Look) -> None:
     """Draw a shape at its pose."""
-    piece = SHAPES[type(body.shape)](body.shape)
-    draw(node, Piece(piece.geometry, body.pose.matrix @ piece.T), look)
+    surface = surface_of(body.shape)
+    draw(node, Piece(surface_mesh(surface, surface.tessellation()), body.pose.matrix), look)
 
 
 def draw_enclosure(node: Visualizer, enclosure: Enclosure) -> None:

@@ -1,15 +1,17 @@
-"""Geometry of the shapes of a scene: one file a shape, registered here.
+"""Geometry of the shapes of a scene: one file a shape, registered in `SURFACES`.
 
-A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, the
-least width of the shape, the radius of a ball around its origin that contains it, and its Coal geometry.
+A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, the least
+width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and triangles.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 from ...arrays import Array
 from ...descriptions import shapes as described
+from ..tessellation import Tessellation
 from .box import BoxSurface
 from .cylinder import CylinderSurface
 from .sphere import SphereSurface
@@ -34,19 +36,23 @@ class Surface(Protocol):
         """Return the support function max_p direction . p over the shape, m."""
         ...
 
-    def coal_shape(self) -> Any:
-        """Return the Coal geometry, its local bounding volume computed."""
+    def solids(self) -> tuple[Any, ...]:
+        """Return convex Coal geometries in the shape's frame that together are the shape."""
+        ...
+
+    def tessellation(self) -> Tessellation:
+        """Return triangles whose corners lie on the surface, fine enough to be drawn."""
         ...
 
 
-_SURFACES: dict[type, Any] = {
+SURFACES: dict[type[described.ShapeDescription], Callable[[Any], Surface]] = {
     described.Sphere: SphereSurface,
     described.Box: BoxSurface,
     described.Cylinder: CylinderSurface,
 }
+"""The surface of each described shape, made from its description. A new shape is registered here."""
 
 
 def surface_of(shape: described.Shape) -> Surface:
     """Return the geometry of a described shape."""
-    surface: Surface = _SURFACES[type(shape)](shape)
-    return surface
+    return SURFACES[type(shape)](shape)

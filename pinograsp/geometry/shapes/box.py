@@ -6,9 +6,11 @@ from typing import Any
 
 import coal
 import numpy as np
+import trimesh
 
 from ...arrays import Array
 from ...descriptions.shapes import Box
+from ..tessellation import Tessellation, tessellation_of
 
 
 class BoxSurface:
@@ -38,8 +40,10 @@ class BoxSurface:
         """Return the sum of half edges times |direction|."""
         return float(self._half @ np.abs(direction))
 
-    def coal_shape(self) -> Any:
+    def solids(self) -> tuple[Any, ...]:
         """Return a coal.Box."""
-        geometry = coal.Box(*(2.0 * self._half))
-        geometry.computeLocalAABB()
-        return geometry
+        return (coal.Box(*(2.0 * self._half)),)
+
+    def tessellation(self) -> Tessellation:
+        """Return twelve triangles."""
+        return tessellation_of(trimesh.creation.box(extents=2.0 * self._half))

@@ -11,10 +11,17 @@ from typing import Any
 
 import coal
 import numpy as np
+import trimesh
 
 from ...arrays import Array
 from ...compiled import compiled
 from ...descriptions.shapes import Cylinder
+from ..tessellation import Tessellation, tessellation_of
+
+SECTIONS = 48
+"""Sides of the prism that stands for a cylinder in a tessellation."""
+MOST_RINGS, CAP_RINGS = 24, 4
+"""Rings of its side at most, and of each cap: slender triangles would fall into a great many small ones."""
 
 
 class CylinderSurface:
@@ -35,11 +42,18 @@ class CylinderSurface:
         across = math.hypot(direction[0], direction[1])
         return float(self._radius * across + self._half * abs(direction[2]))
 
-    def coal_shape(self) -> Any:
+    def solids(self) -> tuple[Any, ...]:
         """Return a coal.Cylinder."""
-        geometry = coal.Cylinder(self._radius, 2.0 * self._half)
-        geometry.computeLocalAABB()
-        return geometry
+        return (coal.Cylinder(self._radius, 2.0 * self._half),)
+
+    def tessellation(self) -> Tessellation:
+        """Return a prism of `SECTIONS` sides in rings about as high as its sides are wide."""
+        width = 2.0 * self._radius * math.sin(math.pi / SECTIONS)
+        rings = min(math.ceil(2.0 * self._half / width), MOST_RINGS)
+        side = [(self._radius, z) for z in np.linspace(-self._half, self._half, rings + 1)]
+        cap = np.linspace(0.0, self._radius, CAP_RINGS, endpoint=False)
+        profile = [*((r, -self._half) for r in cap), *side, *((r, self._half) for r in cap[::-1])]
+        return tessellation_of(trimesh.creation.revolve(np.array(profile), sections=SECTIONS))
 
 
 @compiled

@@ -6,9 +6,14 @@ from typing import Any
 
 import coal
 import numpy as np
+import trimesh
 
 from ...arrays import Array
 from ...descriptions.shapes import Sphere
+from ..tessellation import Tessellation, tessellation_of
+
+SUBDIVISIONS = 3
+"""Halvings of an icosahedron's triangles for a tessellation: 1280 triangles."""
 
 
 class SphereSurface:
@@ -33,8 +38,10 @@ class SphereSurface:
         """Return r |direction|."""
         return float(self.radius * np.linalg.norm(direction))
 
-    def coal_shape(self) -> Any:
+    def solids(self) -> tuple[Any, ...]:
         """Return a coal.Sphere."""
-        geometry = coal.Sphere(self.radius)
-        geometry.computeLocalAABB()
-        return geometry
+        return (coal.Sphere(self.radius),)
+
+    def tessellation(self) -> Tessellation:
+        """Return an icosahedron whose triangles are halved `SUBDIVISIONS` times; its corners lie on the ball."""
+        return tessellation_of(trimesh.creation.icosphere(subdivisions=SUBDIVISIONS, radius=self.radius))
