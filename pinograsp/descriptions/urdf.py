@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, close_names
+from .composition import Attachment, Composition, UrdfPart
 from .locate import resolve
-from .robot import Attachment, Composition, UrdfPart
 from .urdf_checks import check_tree, number
 
 Pairs = dict[frozenset[str], frozenset[str]]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.robot import Composition
+from ..descriptions.composition import Composition
 from ..descriptions.urdf import read_urdf
 from ..verification.kinematics import Kinematics, parsed
 from ..verification.meshes import read_meshes

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..descriptions.composition import Attachment, Composition
 from ..descriptions.files import Vector3
 from ..descriptions.pose import ZERO
-from ..descriptions.robot import Attachment, Composition
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from .addresses import address_of, find_urdf, needed_packages

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.robot import PadDescription
+from ..descriptions.hand import PadDescription
 from ..geometry.mesh_surface import MeshSurface
 from ..geometry.patches import patch_point
 from ..kinematics.robot import RobotModel

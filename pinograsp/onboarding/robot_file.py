@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..descriptions.robot import Attachment
+from ..descriptions.composition import Attachment
 from .draft import Draft, guessed_limits
 from .facets import Facet
 from .findings import in_words, number_of
