@@ -14,7 +14,8 @@ from pathlib import Path as _Path
 from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
-from .errors import InputError, PinograspError
+from .descriptions.pose import Pose
+from .errors import InputError, PinograspError, WorkerLostError
 from .kinematics.robot import RobotModel
 from .planning import ConfigurationCheck, Planner, Progress, plan
 from .results import Contact, Cost, Difference, Grasp, Result, Setup, read_json, verify, write_json
@@ -48,11 +49,13 @@ __all__ = [
     "InputError",
     "PinograspError",
     "Planner",
+    "Pose",
     "Progress",
     "Result",
     "RobotModel",
     "Setup",
     "SolverOptions",
+    "WorkerLostError",
     "build_database",
     "load_robot",
     "load_scene",

@@ -190,8 +190,8 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
     assert result.best is None
     assert sum(blocked.starts for blocked in result.blocked.values()) == 4
-    assert "wall" in result.blocked["enclosure"].where
-    assert result.blocked["enclosure"].nearest_miss > 5.0
+    assert "wall" in result.blocked["enclosure clearance"].where
+    assert result.blocked["enclosure clearance"].nearest_miss > 5.0
     for kind, blocked in result.blocked.items():
         assert f"blocked by {kind}: {blocked.starts} starts, nearest miss" in output
     assert "wall z=-0.237" in output

@@ -269,7 +269,7 @@ def test_dask_workers_give_the_same_bytes_when_one_is_killed(
     distributed = pytest.importorskip("distributed")
     rng = np.random.default_rng(0)
     postures = rng.uniform(sphere_task.lower, sphere_task.upper, size=(24, len(sphere_task.lower)))
-    prepare = partial(attempts_of, gen3, glovebox, "sphere", partial(LocalSolver, options=SolverOptions()))
+    prepare = partial(attempts_of, TaskModel(gen3, glovebox, "sphere"), partial(LocalSolver, options=SolverOptions()))
     items = list(enumerate(postures))
     expected = content(ThisProcess().run(prepare, items))
     assert any(outcome == "converged" for outcome, *_ in expected)

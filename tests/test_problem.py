@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import TOY_SCENE, Array, SceneFactory, agree, random_parameters
+from pinograsp.problem.assembly import COST_SCALE, _saturated
+from pinograsp.problem.terms.clearance import NEAR, SMOOTHING, bend
 
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.distances import REACH
@@ -20,7 +22,6 @@ from pinograsp.errors import InputError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
 from pinograsp.kinematics.robot import RobotModel
 from pinograsp.problem import GraspProblem, State, TaskModel, check_task
-from pinograsp.problem.assembly import COST_SCALE, _saturated
 from pinograsp.problem.terms import (
     Residual,
     approach,
@@ -30,8 +31,7 @@ from pinograsp.problem.terms import (
     force_cost,
     unbalanced_wrench,
 )
-from pinograsp.problem.terms.clearance import NEAR, SMOOTHING, bend
-from pinograsp.solve.projection import Projection, _damped_step, beginnings, nearest_assignment
+from pinograsp.solve.projection import Projection, _damped_step, initial_guesses, nearest_assignment
 
 TERMS: dict[str, Callable[[GraspProblem], Callable[[State], Residual]]] = {
     "contact_gap": lambda _: contact_gap,
@@ -62,7 +62,7 @@ def random_starts(model: TaskModel, count: int, seed: int) -> Array:
 
 def project(problem: GraspProblem, x: Array, onto: Projection) -> Array:
     """Return the first point to solve from."""
-    return next(beginnings(problem, x, onto))
+    return next(initial_guesses(problem, x, onto))
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from pinograsp.kinematics.contacts import contact_kinematics
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.reach import arm_reach
 from pinograsp.problem import GraspProblem, TaskModel, check_task
-from pinograsp.solve.projection import beginnings
+from pinograsp.solve.projection import initial_guesses
 from pinograsp.verification import Claim, Verifier
 from pinograsp.verification.regions import depth
 from pinograsp.verification.shapes import GEOMETRY
@@ -170,7 +170,7 @@ def test_derivatives_of_a_problem_with_a_region(gen3: Any) -> None:
         return np.concatenate([[at.cost], at.equalities.values, at.inequalities.values])
 
     for spread in (0.01, 0.1):
-        x = next(beginnings(problem, start, "contacts")) + spread * rng.normal(size=12) * ([1.0] * 8 + [0.01] * 4)
+        x = next(initial_guesses(problem, start, "contacts")) + spread * rng.normal(size=12) * ([1.0] * 8 + [0.01] * 4)
         evaluation = problem.evaluate(x)
         assert evaluation.inequalities.values.shape == (problem.inequality_count,)
         jacobians = (evaluation.cost_gradient, evaluation.equalities.jacobian, evaluation.inequalities.jacobian)

@@ -35,7 +35,7 @@ from pinograsp.problem import GraspProblem, TaskModel, check_task
 from pinograsp.problem.terms import Residual
 from pinograsp.results import Contact, Grasp, Result
 from pinograsp.solve import starts_near
-from pinograsp.solve.projection import beginnings, nearest_assignment
+from pinograsp.solve.projection import initial_guesses, nearest_assignment
 
 STARTS = 12
 SLOW = pytest.mark.slow
@@ -303,7 +303,7 @@ def near_a_grasp(model: TaskModel, database: Database) -> tuple[GraspProblem, Ar
     """Return a point a little off the first projected start that keeps every constraint to a millimetre."""
     for number in range(STARTS):
         problem, x = start(model, database, number)
-        x = next(beginnings(problem, x, "contacts and clearance"))
+        x = next(initial_guesses(problem, x, "contacts and clearance"))
         if problem.evaluate(x).violation < 0.1:
             return problem, x + np.random.default_rng(0).normal(0.0, 1e-4, len(x))
     raise AssertionError("no start is near a grasp")
@@ -476,7 +476,7 @@ def test_robot_check_is_clean(name: str) -> None:
 # ---- nothing about a robot is in Python
 
 PACKAGE = Path(pinograsp.__file__).parent
-DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("__init__", "database")}
+DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("plan", "database")}
 """The robot of a command that is given none."""
 EVERYBODYS = {"link1", "link2", "world", "base", "palm"} | set(TOOL_FRAMES)
 """Attributes of an SRDF, plain words, and names of tool frames that `robot new` looks for on any arm."""

@@ -27,10 +27,10 @@ from pinograsp.solve.projection import Projection
 
 # Where the time goes: the first part whose name is in the file name of a function gets its own time.
 PARTS = {
-    "distances": ("models/collision", "terms/clearance"),
-    "kinematics": ("models/kinematics", "models/robot", "arrays"),
+    "distances": ("pinograsp/collision", "constraints/clearance"),
+    "kinematics": ("pinograsp/kinematics", "arrays"),
     "statics and forces": ("pinograsp/mechanics",),
-    "terms and assembly": ("pinograsp/problem", "models/shapes"),
+    "terms and assembly": ("pinograsp/problem", "pinograsp/geometry"),
     "projection and NLopt": ("pinograsp/solve", "nlopt"),
 }
 

@@ -20,6 +20,7 @@ import numpy as np
 import pinograsp
 from pinograsp.arrays import Array
 from pinograsp.collision.batch_clearance import BatchClearance
+from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.database import cached_database
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.robot import CollisionDescription
@@ -118,7 +119,10 @@ def costs(robot: RobotModel, scene: SceneDescription, task: str, count: int) -> 
     rng, size = np.random.default_rng(0), robot.arm_size
     q = rng.uniform(np.maximum(robot.lower[:size], -np.pi), np.minimum(robot.upper[:size], np.pi), (20_000, size))
     margins, opening = Margins(), hand_opening(robot)
-    batches = {name: BatchClearance(model.robot, scene, margins, opening) for name, model in models.items()}
+    batches = {
+        name: BatchClearance(model.robot, enclosure_world(model.robot, scene, margins), opening)
+        for name, model in models.items()
+    }
     compare("tests of a database", {name: over(batch.measure, [q]) for name, batch in batches.items()}, per=len(q))
 
 

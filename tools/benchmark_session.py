@@ -4,13 +4,15 @@
 
 moves the sphere and the can of the glovebox to random poses and prints, for each, median and 95th percentile of the
 time to the first verified grasp on one core, and of what is neither solving nor checking. Poses where the object does
-not fit between the walls, or no grasp is found within a second, are counted.
+not fit between the walls, or no grasp is found within a second, are counted. Then it prints the time until the first
+start is solved of what is new in a process that has planned before: a scene, a task, an object moved.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -22,6 +24,7 @@ from pinograsp.planning import attempt as attempts
 TASKS = (("glovebox", "sphere", "sphere"), ("glovebox_can", "can", "can"))
 """Scene, task, object."""
 DEADLINE = 1.0
+REPEATS = 9
 ROOM = 0.06
 """Between object centres and walls, m."""
 
@@ -36,6 +39,7 @@ def main() -> None:
     robot = pinograsp.load_robot(arguments.robot)
     for scene, task, name in TASKS:
         report(robot, scene, task, name, arguments.poses, arguments.seed)
+    beginnings(robot)
 
 
 def report(robot: pinograsp.RobotModel, scene_name: str, task: str, name: str, count: int, seed: int) -> None:
@@ -73,6 +77,59 @@ def report(robot: pinograsp.RobotModel, scene_name: str, task: str, name: str, c
     print(f"  {len(firsts)} of {count} poses; no grasp within {DEADLINE:g} s in {missed}", flush=True)
 
 
+def beginnings(robot: pinograsp.RobotModel) -> None:
+    """Print how long it takes to the first start, median of `REPEATS`, where something is new."""
+    first, second = (pinograsp.load_scene(scene) for scene in ("glovebox", "glovebox_can"))
+    shifts = iter(np.linspace(0.001, 0.02, 2 * REPEATS * len(CALLS)))
+
+    def shifted(scene: SceneDescription, body: str) -> Pose:
+        T = scene.objects[body].pose.matrix.copy()
+        T[0, 3] += next(shifts)
+        return Pose.of(T)
+
+    def new_scene(call: Call) -> None:
+        with pinograsp.Planner(robot, second.with_object_pose("can", shifted(second, "can")), workers=1) as planner:
+            call(planner, "can")
+
+    def new_task(call: Call) -> None:
+        with pinograsp.Planner(robot, second, workers=1) as planner:
+            call(planner, "can")
+            anew()
+            call(planner, "can_region")
+
+    for name, call in CALLS.items():
+        with pinograsp.Planner(robot, first, workers=1) as warm:
+            call(warm, "sphere")
+
+            def moved(call: Call, planner: pinograsp.Planner = warm) -> None:
+                planner.move("sphere", shifted(first, "sphere"))
+                call(planner, "sphere")
+
+            for what, change in (("a new scene", new_scene), ("another task", new_task), ("an object moved", moved)):
+                values = [until_first_start(change, call) for _ in range(REPEATS)]
+                print(f"{name}, {what}: first start after {1e3 * float(np.median(values)):.1f} ms", flush=True)
+
+
+Call = Callable[[pinograsp.Planner, str], object]
+CALLS: dict[str, Call] = {
+    "grasps": lambda planner, task: next(planner.grasps(task, most=1)),
+    "plan": lambda planner, task: planner.plan(task, starts=1),
+}
+
+
+def until_first_start(change: Callable[[Call], None], call: Call) -> float:
+    """Return the time from the beginning of a change, or of its last part, to its first start, s."""
+    anew()
+    change(call)
+    return first_start[0] - began[0]
+
+
+def anew() -> None:
+    """Begin to measure."""
+    first_start.clear()
+    began[:] = [time.perf_counter()]
+
+
 def poses(scene: SceneDescription, name: str, count: int, seed: int) -> list[Pose]:
     """Return random poses of an object within the enclosure."""
     rng = np.random.default_rng(seed)
@@ -86,13 +143,18 @@ def poses(scene: SceneDescription, name: str, count: int, seed: int) -> list[Pos
 
 spent: list[float] = []
 """Seconds of every start that was solved and checked."""
+first_start: list[float] = []
+"""When starts were begun."""
+began: list[float] = []
+"""When what is measured was begun."""
 
 
 def timed(*arguments: object, real=attempts.attempt) -> attempts.Attempt:
     """Solve and check a start, and keep its time."""
-    began = time.perf_counter()
+    start = time.perf_counter()
+    first_start.append(start)
     done = real(*arguments)
-    spent.append(time.perf_counter() - began)
+    spent.append(time.perf_counter() - start)
     return done
 
 
@@ -100,4 +162,5 @@ if __name__ == "__main__":
     from pinograsp.planning import session
 
     session.attempt = timed
+    attempts.attempt = timed
     main()

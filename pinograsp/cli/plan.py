@@ -22,6 +22,13 @@ from .progress_bar import ProgressBar
 NOTHING_FOUND, INTERRUPTED = 1, 130
 
 
+def _known(algorithm: str) -> str:
+    """Return the name of a solver, or refuse it as a wrong use of the command."""
+    if algorithm not in BACKENDS:
+        raise typer.BadParameter(f"{algorithm!r} is not one of {', '.join(BACKENDS)}.")
+    return algorithm
+
+
 def plan_command(
     scene: Annotated[str, typer.Argument(help="Scene file, or the name of a shipped scene.")],
     task: Annotated[str, typer.Option(help="Name of a task of the scene.")],
@@ -30,7 +37,7 @@ def plan_command(
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
     database: Annotated[Path | None, typer.Option(help="Start database; by default a small one, cached.")] = None,
-    algorithm: Annotated[str, typer.Option(help=f"Solver: {', '.join(BACKENDS)}.")] = "LD_SLSQP",
+    algorithm: Annotated[str, typer.Option(help=f"Solver: {', '.join(BACKENDS)}.", callback=_known)] = "LD_SLSQP",
     max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
     out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
     html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,

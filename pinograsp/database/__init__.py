@@ -5,11 +5,12 @@ for the wrist near the object. `identity` says what a database belongs to, `stor
 it, `query` reads regions and spreads starts, `coverage` counts what the wrist reaches, `cache` keeps small ones.
 """
 
+from ..geometry.cone import Cone
 from .build import BuildProgress, build_database
 from .cache import cached_database
 from .coverage import Coverage
 from .identity import Identity
-from .query import Cone, Configurations, region, spread_selection
+from .query import Configurations, region, spread_selection
 from .store import Database
 
 __all__ = [

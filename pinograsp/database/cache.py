@@ -32,7 +32,7 @@ def cached_database(
         InputError: the cached file is damaged; the message names it, so that it can be deleted.
     """
     identity = Identity.of(robot, scene, margins)
-    file = cache_folder() / f"{robot.description.name}-{scene.name}-{identity.digest[:16]}.duckdb"
+    file = cache_folder() / f"{robot.description.name}-{identity.digest[:16]}.duckdb"
     return _complete(file, identity) or build_database(
         robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
     )

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..geometry.cone import Cone
 from .store import Database
 
 _CANDIDATES = 40
@@ -31,14 +32,6 @@ _HASH = _ROUND.format("(" + _ROUND.format("(sample + $seed * 1000003)") + ")")
 
 Intervals = Mapping[str, Sequence[tuple[float, float]]]
 """Arm joints by name, with intervals, rad (m), of which one must hold the angle."""
-
-
-@dataclass(frozen=True)
-class Cone:
-    """Approach directions within `half_angle` (rad) of `axis` (3,), world."""
-
-    axis: Array
-    half_angle: float
 
 
 @dataclass(frozen=True)
@@ -76,7 +69,7 @@ def region(
         database: an open database.
         center: m, world, shape (3,).
         extent: radius of a ball, m, or half edges of a box, m, shape (3,).
-        cone: approach directions wanted.
+        cone: approach directions wanted, world.
         joints: intervals of arm joints wanted.
         limit: at most so many rows.
     """
@@ -102,7 +95,7 @@ def spread_selection(
         center: m, world, shape (3,).
         extent: radius of a ball, m, or half edges of a box, m, shape (3,).
         count: number of configurations wanted.
-        cone: approach directions wanted.
+        cone: approach directions wanted, world.
         joints: intervals of arm joints wanted.
         seed: of the choice within each class.
     """
@@ -143,8 +136,12 @@ def _condition(
         parts.append(f"{square} <= $radius ** 2")
         values["radius"] = float(extent)
     if cone is not None:
-        axis = np.asarray(cone.axis, dtype=float) / np.linalg.norm(cone.axis)
-        values |= {"cone_x": axis[0], "cone_y": axis[1], "cone_z": axis[2], "cosine": math.cos(cone.half_angle)}
+        values |= {
+            "cone_x": cone.axis[0],
+            "cone_y": cone.axis[1],
+            "cone_z": cone.axis[2],
+            "cosine": math.cos(cone.half_angle),
+        }
         parts.append("ax * $cone_x + ay * $cone_y + az * $cone_z >= $cosine")
     for name, intervals in joints.items():
         column = f"q{database.joints().index(name) + 1}"

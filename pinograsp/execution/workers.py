@@ -26,6 +26,9 @@ Outcome = TypeVar("Outcome")
 class Workers(Protocol):
     """What runs independent pieces of work; a context manager that ends what it started."""
 
+    def begin(self) -> None:
+        """Have processes of our own begin now: before this process has threads that a fork would lose."""
+
     def run(
         self,
         prepare: Callable[[], Callable[[Item], Outcome]],
@@ -57,6 +60,9 @@ class Workers(Protocol):
 
 class ThisProcess:
     """No workers: items are handled here, one after the other. `lost` has no use, and nothing is pickled."""
+
+    def begin(self) -> None:
+        pass
 
     def run(
         self,
@@ -114,6 +120,9 @@ class GivenExecutor(_Distributing):
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
 
+    def begin(self) -> None:
+        pass
+
     def _submit(self, packed: Packed[Any], items: Sequence[Any], attempt: int) -> Future[bytes]:
         return self._executor.submit(run_chunk, packed, items, attempt)
 
@@ -132,6 +141,9 @@ class Processes(_Distributing):
         self._count = count
         self._width = count + 1  # whichever process is free first need not wait for this one
         self._pool: ProcessPoolExecutor | None = None
+
+    def begin(self) -> None:
+        self._begun().submit(os.getpid).result()
 
     def _submit(self, packed: Packed[Any], items: Sequence[Any], attempt: int) -> Future[bytes]:
         try:

@@ -29,6 +29,7 @@ from ..disk import digest
 from ..errors import InputError
 from ..geometry.patches import patch_point
 from . import urdf
+from .names import check_names
 
 TURN, SLIDE, SLIP = 1.0, 0.1, 0.02
 """Comparable steps of a turning joint, rad, a sliding joint, m, and a contact on its pad, m."""
@@ -78,7 +79,7 @@ class RobotModel:
         self.description = description
         self.T_world_root: Array = np.eye(4)
         self.urdf = urdf.prepare(description)
-        self._check_names()
+        check_names(description, self.urdf)
         self.model: Any = pin.buildModelFromXML(self.urdf.xml)
         self.joint_names: tuple[str, ...] = tuple(self.model.names)[1:]
         self.arm_size = len(description.arm.joints)
@@ -167,35 +168,6 @@ class RobotModel:
         """Return q by joint name, continuous arm joints wrapped to (-pi, pi]."""
         q = self.joint_positions(self.wrapped(posture))
         return dict(zip(self.joint_names, q.tolist(), strict=True))
-
-    def _check_names(self) -> None:
-        description, known = self.description, list(self.urdf.movable)
-        for i, joint in enumerate(description.arm.joints):
-            self._require_leader(joint, known, f"arm.joints[{i}]")
-        for i, synergy in enumerate(description.hand.synergies):
-            for joint in synergy.column:
-                key = f"hand.synergies[{i}].joint" + (f"s.{joint}" if synergy.joint is None else "")
-                self._require_hand_joint(joint, known, key)
-            if synergy.joint is None and synergy.label in known:
-                self._refuse("a joint has this name", f"hand.synergies[{i}].name", "Use another one")
-        for joint in description.hand.rest:
-            self._require_hand_joint(joint, known, f"hand.rest.{joint}")
-        urdf.require(description.arm.wrist, list(self.urdf.links), "link", "arm.wrist", description)
-        for i, pad in enumerate(description.pads):
-            urdf.require(pad.link, list(self.urdf.links), "link", f"pads[{i}].link", description)
-        for link in description.collision.links:
-            urdf.require(link, list(self.urdf.links), "link", f"collision.links.{link}", description)
-
-    def _require_hand_joint(self, joint: str, known: list[str], key: str) -> None:
-        self._require_leader(joint, known, key)
-        if joint in self.description.arm.joints:
-            self._refuse(f"{joint!r} is already an arm joint", key)
-
-    def _require_leader(self, joint: str, known: list[str], key: str) -> None:
-        urdf.require(joint, known, "joint", key, self.description)
-        if joint in self.urdf.mimics:
-            leader = self.urdf.mimics[joint].leader
-            self._refuse(f"joint {joint!r} mimics {leader!r}", key, f"Name {leader!r} instead")
 
     def _refuse(self, problem: str, key: str, remedy: str | None = None) -> None:
         raise InputError(problem, file=self.description.source, key=key, remedy=remedy)

@@ -87,6 +87,8 @@ class Barrier:
     """dV/df, shape (c,)."""
     normal_gradient: Array
     """dV/dn_i with f held, shape (n, 3)."""
+    terms: Array
+    """The terms of V, of sigma_f, sigma_m and sigma_M of every contact, shape (n, 3)."""
 
 
 def barrier(f: Array, normals: Array, models: ContactModels, limits: ForceLimits) -> Barrier:
@@ -95,8 +97,9 @@ def barrier(f: Array, normals: Array, models: ContactModels, limits: ForceLimits
 
 
 @compiled
-def _barrier(f: Array, normals: Array, rows: Rows, limits: Constants) -> tuple[float, Array, Array]:
+def _barrier(f: Array, normals: Array, rows: Rows, limits: Constants) -> tuple[float, Array, Array, Array]:
     V, gradient, normal_gradient = 0.0, np.zeros(len(f)), np.empty((len(rows.force), 3))
+    terms = np.empty((len(rows.force), 3))
     for i in range(len(rows.force)):
         row, torsion = rows.force[i], f[rows.spin[i]] * rows.inverse_radius[i]
         square, pressing = _TINY, 0.0
@@ -108,6 +111,7 @@ def _barrier(f: Array, normals: Array, rows: Rows, limits: Constants) -> tuple[f
         V_m, least, _ = penalty(limits.minimum - pressing, limits.kappa)
         V_M, greatest, _ = penalty(size - limits.maximum, limits.kappa)
         V += V_f + V_m + V_M
+        terms[i, 0], terms[i, 1], terms[i, 2] = V_f, V_m, V_M
         along = limits.alpha * friction / cone
         for axis in range(3):
             F, n = f[row + axis], normals[i, axis]
@@ -115,7 +119,7 @@ def _barrier(f: Array, normals: Array, rows: Rows, limits: Constants) -> tuple[f
             normal_gradient[i, axis] = -(friction + least) * F
         if rows.spin[i] >= 0:
             gradient[rows.spin[i]] = along * torsion * rows.inverse_radius[i]
-    return V, gradient, normal_gradient
+    return V, gradient, normal_gradient, terms
 
 
 @compiled

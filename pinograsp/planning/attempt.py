@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ..arrays import Array
-from ..descriptions import SceneDescription
-from ..kinematics.robot import RobotModel
 from ..problem import State, TaskModel
 from ..results import Grasp, claim_of, grasp_of
 from ..solve import Solution
@@ -61,16 +59,18 @@ def certify(index: int, state: State, verifier: Verifier) -> tuple[Certificate, 
     return certificate, grasp_of(index, state, claim, certificate) if certificate.verified else None
 
 
-def attempts_of(
-    robot: RobotModel, scene: SceneDescription, task: str, solver_of: Callable[[TaskModel], Solver]
-) -> Callable[[tuple[int, Array]], Attempt]:
+def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> Callable[[tuple[int, Array]], Attempt]:
     """Build, in a worker, what handles starts: number and posture (q_a, sigma) of shape (l + s,)."""
-    solver = solver_of(TaskModel(robot, scene, task))
-    verifier = Verifier(robot.description, scene, task)
+    solver, verifier = solver_of(model), verifier_of(model)
     return lambda item: attempt(solver, verifier, *item)
+
+
+def verifier_of(model: TaskModel) -> Verifier:
+    """Return the verifier of a task, which reads the robot file with all its pads."""
+    return Verifier(model.robot.unmounted.description, model.scene, model.task_name)
 
 
 def lost_attempt(item: tuple[int, Array], reason: str) -> Attempt:
     """Return the attempt of a start whose worker ended twice."""
     index, posture = item
-    return Attempt(Solution(index, "failed", (), posture, {}, 0, 0.0, f"start {index} lost: {reason}"))
+    return Attempt(Solution(index, "failed", (), posture, (), 0, 0.0, f"start {index} lost: {reason}"))

@@ -9,7 +9,6 @@ from typing import Any, get_args
 
 import numpy as np
 
-from ..problem import UNITS
 from ..results import Blocked, Result, Setup, merge, provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
@@ -96,7 +95,7 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     if attempt.certificate:
         figure = attempt.certificate.refuted_by[0]
         return f"check of {figure.name}", abs(figure.value - figure.limit), figure.unit, figure.where
-    if not attempt.solution.violations:
+    worst = attempt.solution.worst
+    if worst is None:
         return "solver failure", 0.0, "", attempt.solution.message
-    kind, violation, where = attempt.solution.worst
-    return kind, violation, UNITS.get(kind, "mm"), where
+    return worst.name, worst.value, worst.unit, worst.where

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,11 +19,11 @@ from ..descriptions.scene import Margins
 from ..errors import InputError
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import RobotModel
+from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
 from ..results import Grasp, Result, Setup
 from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
-from ..verification import Verifier
-from .attempt import attempt, attempts_of, lost_attempt
+from .attempt import attempt, attempts_of, lost_attempt, verifier_of
 from .bound import least_U
 from .outcomes import Progress, Run
 from .own_configuration import Configuration, ConfigurationCheck, checked
@@ -76,17 +76,20 @@ class Planner:
         self._given, self._count, self._build_progress = database, workers, build_progress
         self._workers: Workers = own_workers(workers) if executor is None else GivenExecutor(executor)
         self._models: dict[str, TaskModel] = {}
+        self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
-        self._indices: dict[str, StartIndex] = {}
 
     def __enter__(self) -> Self:
         """Return the planner; its workers end with the block."""
         return self
 
     def __exit__(self, *error: object) -> None:
-        """End the workers."""
+        """End the workers and close what was opened."""
         self._workers.__exit__(*error)
+        for database in self._opened.values():
+            database.close()
+        self._opened.clear()
 
     def plan(
         self,
@@ -120,14 +123,15 @@ class Planner:
         _evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
         try:
-            with self._database(model.task.margin) as opened:
-                run.times["database"] = time.perf_counter() - began - run.times["prepare"]
-                postures = starts_near(opened, model, starts, seed)
-                identity = opened.identity.digest
-                run.facts["database"] = {"file": str(opened.file), "rows": opened.rows(), "identity": identity}
+            self._workers.begin()
+            database = self._database(model.task.margin)
+            run.times["database"] = time.perf_counter() - began - run.times["prepare"]
+            postures = starts_near(database, model, starts, seed)
+            identity = database.identity.digest
+            run.facts["database"] = {"file": str(database.file), "rows": database.rows(), "identity": identity}
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
-            prepare = partial(attempts_of, self.robot, self.scene, task, solver_of)
+            prepare = partial(attempts_of, model, solver_of)
             with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
                 for done in running:
                     run.attempts.append(done)
@@ -159,7 +163,7 @@ class Planner:
             self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
         postures = self._index(model).starts(model, self._hands[task], NEAREST)
         quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
-        solver, verifier = LocalSolver(model, quick), self._verifier(task)
+        solver, verifier = LocalSolver(model, quick), verifier_of(model)
         setup = Setup(self.robot.description, self.scene, task)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
         for index, posture in enumerate(postures):
@@ -198,36 +202,45 @@ class Planner:
         Raises:
             InputError: there is no such task, or a value is missing, unknown or not finite.
         """
-        return checked(self._model(task), self._verifier(task), q)
+        model = self._model(task)
+        return checked(model, verifier_of(model), q)
 
     def _model(self, task: str) -> TaskModel:
         if task not in self._models:
             self._models[task] = TaskModel(self.robot, self.scene, task)
         return self._models[task]
 
-    def _verifier(self, task: str) -> Verifier:
-        return Verifier(self.robot.description, self.scene, task)
-
     def _index(self, model: TaskModel) -> StartIndex:
-        """Return the starts in memory for the margins of a task."""
-        key = model.task.margin.model_dump_json()
-        if key not in self._indices:
-            with self._database(model.task.margin) as opened:
-                self._indices[key] = StartIndex(opened, model.robot)
-        return self._indices[key]
+        """Return the starts in memory: for every scene with one enclosure and for tasks with one margin the same."""
+        indices, margins = _indices(self.robot.unmounted), model.task.margin
+        given = self._given.file if isinstance(self._given, Database) else self._given
+        key = (Identity.of(self.robot, self.scene, margins).digest, None if given is None else str(given))
+        if key not in indices:
+            indices[key] = StartIndex(self._database(margins), model.robot)
+        return indices[key]
 
-    @contextmanager
-    def _database(self, margins: Margins) -> Iterator[Database]:
-        """Give the database to take starts from, for certain the right one; what is opened here is closed again."""
-        if self._given is None:
-            progress = self._build_progress
-            with cached_database(self.robot, self.scene, margins, workers=self._count, progress=progress) as cached:
-                yield cached
-            return
-        given = self._given
-        with nullcontext(given) if isinstance(given, Database) else Database.open(given) as opened:
-            opened.require(Identity.of(self.robot, self.scene, margins))
-            yield opened
+    def _database(self, margins: Margins) -> Database:
+        """Return the database to take starts from, for certain the right one; what is opened here stays open."""
+        identity = Identity.of(self.robot, self.scene, margins)
+        if isinstance(self._given, Database):
+            self._given.require(identity)
+            return self._given
+        if identity.digest not in self._opened:
+            if self._given is None:
+                progress = self._build_progress
+                opened = cached_database(self.robot, self.scene, margins, workers=self._count, progress=progress)
+            else:
+                opened = Database.open(self._given)
+            self._opened[identity.digest] = opened
+            opened.require(identity)
+        return self._opened[identity.digest]
+
+
+@remembered
+def _indices(robot: RobotModel) -> dict[tuple[str, str | None], StartIndex]:
+    """Return the place where the indices of a robot are kept, by identity and file of their database."""
+    del robot
+    return {}
 
 
 def _at_least(name: str, number: int, least: int) -> None:

@@ -1,4 +1,4 @@
-"""The optimisation problem: variables x = (q_a, sigma, q_c), terms with exact gradients, and their assembly.
+"""The optimisation problem: variables x = (q_a, sigma, q_c), costs and constraints with exact gradients.
 
     minimise   U(x) = sum_i ||c_desired_i - c_i(x)||^2 + k V*(x)                       (9)-(12)
     subject to bounds on x, contact on the object's surface, clearances, balance       (13)-(16)
@@ -6,9 +6,26 @@
 The active internal forces y belong to x as the minimiser of the nested problem (8).
 """
 
-from .assembly import UNITS, Evaluation, GraspProblem
 from .checks import check_task
+from .constraint import Constraint, Inside, Residual, Violation
+from .constraints import CONSTRAINTS
+from .cost import Cost
+from .costs import COSTS
+from .problem import Evaluation, GraspProblem
 from .state import State
 from .task_model import TaskModel
 
-__all__ = ["UNITS", "Evaluation", "GraspProblem", "State", "TaskModel", "check_task"]
+__all__ = [
+    "CONSTRAINTS",
+    "COSTS",
+    "Constraint",
+    "Cost",
+    "Evaluation",
+    "GraspProblem",
+    "Inside",
+    "Residual",
+    "State",
+    "TaskModel",
+    "Violation",
+    "check_task",
+]

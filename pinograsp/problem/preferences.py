@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..errors import InputError, close_names
+from ..geometry.cone import Cone
 from ..kinematics.robot import RobotModel
 
 TURN = 2.0 * math.pi
 
 
-@dataclass(frozen=True)
-class ApproachCone:
-    """Approach directions within `angle` (rad) of the unit vector `axis` (3,), world."""
-
-    axis: Array
-    angle: float
-
-
-def approach_cone(task: TaskDescription, T_world_object: Array) -> ApproachCone | None:
+def approach_cone(task: TaskDescription, T_world_object: Array) -> Cone | None:
     """Return the cone of a task in the world, or None if every approach direction is fine."""
     if task.approach is None:
         return None
     R = T_world_object[:3, :3] if task.approach.frame == "object" else np.eye(3)
-    axis = R @ np.array(task.approach.direction)
-    return ApproachCone(axis / np.linalg.norm(axis), task.approach.angle)
+    return Cone(R @ np.array(task.approach.direction), task.approach.angle)
 
 
 def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:

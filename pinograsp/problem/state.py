@@ -14,6 +14,7 @@ from ..mechanics import (
     Contacts,
     ForceSolution,
     Statics,
+    force_cost_gradient,
     grasp_statics,
     solve_forces,
 )
@@ -66,3 +67,10 @@ class State:
     def forces(self) -> ForceSolution:
         """Best contact forces (8)."""
         return solve_forces(self.statics, self.contacts.normals, self.model.contact_models, self.model.limits)
+
+    @cached_property
+    def force_gradient(self) -> Array:
+        """Gradient of V* in x, shape (v,)."""
+        return force_cost_gradient(
+            self.statics, self.grasp, self.grasp_derivatives, self.model.contact_models, self.forces
+        )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 
 from ..arrays import Array
@@ -40,6 +38,10 @@ class TaskModel:
         constants = self.task.contact
         self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Build again from robot, scene and task: Coal's and Pinocchio's objects do not travel."""
+        return (TaskModel, (self.robot.unmounted, self.scene, self.task_name))
+
     def _place_object(self) -> None:
         target = self.scene.objects[self.task.object]
         self.T_world_object = target.pose.matrix
@@ -55,7 +57,8 @@ class TaskModel:
             name: of the object, the task's own or another one.
             scene: the scene, which differs from this one's in the pose of that object alone.
         """
-        model = copy.copy(self)
+        model = object.__new__(TaskModel)
+        model.__dict__.update(self.__dict__)
         model.scene = scene
         role: Role = "target" if name == self.task.object else "obstacle"
         model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)

@@ -22,7 +22,7 @@ def decode(data: dict[str, Any]) -> Result:
     """Return the result in JSON data.
 
     Raises:
-        AttributeError, KeyError, OverflowError, TypeError, ValueError: something is missing, of another kind, or not known.
+        AttributeError, KeyError, OverflowError, TypeError, ValueError: something is missing or of another kind.
     """
     return Result(
         setup=_setup(data["setup"]),

@@ -10,9 +10,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ..arrays import Array
-from ..problem import GraspProblem, State, TaskModel
+from ..problem import GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
-from .projection import Projection, beginnings, nearest_assignment
+from .projection import Projection, initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
@@ -69,8 +69,8 @@ class Solution:
     outcome: Outcome
     assignment: tuple[int, ...]
     x: Array
-    violations: dict[str, tuple[float, str]]
-    """By name of constraint: violation (mm, or as `problem.UNITS` says) and where."""
+    violations: tuple[Violation, ...]
+    """Of all constraints; empty where the solver failed."""
     evaluations: int
     seconds: float
     message: str = ""
@@ -83,10 +83,9 @@ class Solution:
         return self.outcome in {"converged", "feasible"}
 
     @property
-    def worst(self) -> tuple[str, float, str]:
-        """The most violated constraint: name, violation, where."""
-        name = max(self.violations, key=lambda key: self.violations[key][0])
-        return (name, *self.violations[name])
+    def worst(self) -> Violation | None:
+        """The largest violation; None where the solver failed."""
+        return max(self.violations, key=lambda violation: violation.value, default=None)
 
 
 class LocalSolver:
@@ -118,9 +117,9 @@ class LocalSolver:
         assignment = nearest_assignment(self._model, problem.state(x))
         problem = self.problem(assignment)
         runs = []
-        for beginning in islice(beginnings(problem, x, self._options.projection), self._options.tries):
+        for guess in islice(initial_guesses(problem, x, self._options.projection), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
-            stop = self._backend.solve(program_from(recorder, beginning), self._options.limits)
+            stop = self._backend.solve(program_from(recorder, guess), self._options.limits)
             runs.append((recorder, stop))
             if recorder.feasible:
                 break
@@ -143,7 +142,7 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     problem, best = recorder.problem, recorder.best
     assignment = problem.assignment
     if best is None:
-        return Solution(index, "failed", assignment, x, {}, evaluations, time.perf_counter() - began, stop.message)
+        return Solution(index, "failed", assignment, x, (), evaluations, time.perf_counter() - began, stop.message)
     state = problem.state(best.x)
     violations = problem.violations(state)
     seconds = time.perf_counter() - began

@@ -36,7 +36,7 @@ def nearest_assignment(model: TaskModel, start: State) -> tuple[int, ...]:
     return min(itertools.permutations(range(square.shape[1])), key=lambda p: float(square[pads, p].sum()))
 
 
-def beginnings(problem: GraspProblem, x: Array, onto: Projection) -> Iterator[Array]:
+def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterator[Array]:
     """Yield the points to solve from; each further one is for where a solve from the one before failed.
 
     The second way takes the clearances in from the start: it leads elsewhere where the contacts alone have drawn the
@@ -54,16 +54,16 @@ def beginnings(problem: GraspProblem, x: Array, onto: Projection) -> Iterator[Ar
 
 
 def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
-    for wishes, clearances in YIELDING:
-        x = _descend(problem, wishes, clearances, x, STALLED)
+    for targets, clearances in YIELDING:
+        x = _descend(problem, targets, clearances, x, STALLED)
     return _descend(problem, 0.0, 1.0, x, 0.0)
 
 
-def _descend(problem: GraspProblem, wishes: float, clearances: float, x: Array, stalled: float) -> Array:
+def _descend(problem: GraspProblem, targets: float, clearances: float, x: Array, stalled: float) -> Array:
     """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,)."""
     unit = problem.model.robot.step_units
     damping = INITIAL_DAMPING
-    residual = problem.projection_residual(x, wishes, clearances)
+    residual = problem.projection_residual(x, targets, clearances)
     square = float(residual.values @ residual.values)
     slow = 0
     for _ in range(MAX_STEPS):
@@ -71,7 +71,7 @@ def _descend(problem: GraspProblem, wishes: float, clearances: float, x: Array, 
             break
         step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(problem, x))
         trial_x = np.clip(x + unit * step, problem.lower, problem.upper)
-        trial = problem.projection_residual(trial_x, wishes, clearances)
+        trial = problem.projection_residual(trial_x, targets, clearances)
         trial_square = float(trial.values @ trial.values)
         if trial_square < square:
             slow = slow + 1 if trial_square > (1.0 - stalled) * square else 0

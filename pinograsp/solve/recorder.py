@@ -79,5 +79,5 @@ def program_from(recorder: Recorder, x: Array) -> Program:
         equalities=equalities,
         inequalities=inequalities,
         equality_count=len(basis),
-        inequality_count=problem.inequality_count,
+        inequality_count=len(problem.rows.inequalities),
     )

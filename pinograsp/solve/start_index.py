@@ -110,7 +110,7 @@ class StartIndex:
         """Return by how much starts miss cone or ranges at most, rad, shape (n,); no slack for sliders."""
         missed = np.zeros(len(found))
         if model.approach is not None:
-            missed = np.arccos(np.clip(approaches @ model.approach.axis, -1.0, 1.0)) - model.approach.angle
+            missed = np.arccos(np.clip(approaches @ model.approach.axis, -1.0, 1.0)) - model.approach.half_angle
         turned = turning(model)
         for i, name in enumerate(model.robot.description.arm.joints):
             if name in model.task.joint_ranges:

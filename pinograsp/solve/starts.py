@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.hand_free import hand_free
-from ..database import Cone, Configurations, Database, spread_selection
+from ..database import Configurations, Database, spread_selection
+from ..geometry.cone import Cone
 from ..kinematics.hand_posture import preshape
 from ..problem import TaskModel
 
@@ -71,7 +72,7 @@ def turning(model: TaskModel) -> dict[str, int]:
 def _selection(database: Database, model: TaskModel, count: int, seed: int, slack: float) -> Configurations:
     """Return configurations near the object that miss neither cone nor ranges by more than `slack` (rad)."""
     approach = model.approach
-    cone = None if approach is None else Cone(approach.axis, min(approach.angle + slack, math.pi))
+    cone = None if approach is None else Cone(approach.axis, min(approach.half_angle + slack, math.pi))
     center, radius, joints = model.load.center_of_mass, model.task.start_radius, _intervals(model, slack)
     return spread_selection(database, center, radius, count, cone=cone, joints=joints, seed=seed)
 

@@ -65,7 +65,7 @@ def attempt_all(
 ) -> list[Attempt]:
     """Solve every start and judge what comes of it, sorted by start."""
     lines, done = Lines(label), []
-    prepare, items = partial(attempts_of, robot, scene, task, method), list(enumerate(postures))
+    prepare, items = partial(attempts_of, TaskModel(robot, scene, task), method), list(enumerate(postures))
     with own_workers(workers) as pool:
         for attempt in pool.run(prepare, items, chunk=2):
             solution, U = attempt.solution, attempt.grasp.cost.U if attempt.grasp else None

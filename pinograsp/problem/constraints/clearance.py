@@ -1,4 +1,6 @@
-"""Clearance of every link: a smooth lower bound of its distances less their margins.
+"""Clearance: every link keeps its margins from walls, obstacles, the object and the robot itself, (15), (16).
+
+A row is a smooth lower bound of the distances of a link less their margins.
 
 What a distance has above its margin, a = d - margin, enters as phi(a), which is a up to `NEAR`, bends, and is
 constant from `REACH` on, twice continuously differentiable. Pairs that culling leaves out have a >= REACH, so that
@@ -12,16 +14,17 @@ The pairs of a link are joined by the smooth minimum
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from ...arrays import Array, Indices
 from ...collision.distances import REACH
-from ...collision.pairs import Pair
+from ...collision.world import CLEARANCES
 from ...compiled import compiled
+from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
 from ..task_model import TaskModel
-from .residual import Residual
 
 NEAR = 0.015
 """What a distance has above its margin enters unchanged below this, m."""
@@ -29,19 +32,26 @@ SMOOTHING = 0.0003
 """rho of the smooth minimum, m: it lies at most rho log(pairs) below the minimum."""
 
 
-class Clearance:
-    """The term with its pairs, margins and links."""
+class Clearance(Inside):
+    """Clearance of every link, m."""
+
+    name = "clearance"
+    figures: Mapping[str, str] = dict.fromkeys(CLEARANCES.values(), "mm")
+    descents: Descents = "clearances"
+    scale = PER_METRE
+    least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
         pairs = model.collisions.pairs
         self.links = tuple(dict.fromkeys(pair.link for pair in pairs))
+        """Links of the rows."""
+        self.rows = tuple(f"clearance of {link}" for link in self.links)
         self._pairs = pairs
         self._margins = np.array([pair.margin for pair in pairs])
         self._link_of = np.array([self.links.index(pair.link) for pair in pairs])
         self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
-    def __call__(self, state: State) -> Residual:
-        """Return the clearance of every link, m, shape (links,)."""
+    def inside(self, state: State) -> Residual:
         measured = state.distances
         above = measured.values - self._margins[measured.indices]
         links = self._link_of[measured.indices]
@@ -49,16 +59,16 @@ class Clearance:
         rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
         return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
-    def worst(self, state: State) -> dict[str, tuple[float, Pair]]:
-        """Return, per kind of pair, the least distance less its margin (m), unsmoothed, and its pair."""
+    def violations(self, state: State) -> list[Violation]:
+        """Return the violation of each figure of which a pair was measured."""
         measured = state.distances
         above = measured.values - self._margins[measured.indices]
-        worst: dict[str, tuple[float, Pair]] = {}
+        worst: dict[str, tuple[float, str]] = {}
         for index, value in zip(measured.indices.tolist(), above.tolist(), strict=True):
             pair = self._pairs[index]
             if pair.kind not in worst or value < worst[pair.kind][0]:
-                worst[pair.kind] = (value, pair)
-        return worst
+                worst[pair.kind] = (value, pair.name)
+        return [Violation(name, max(0.0, -1e3 * least), "mm", pair) for name, (least, pair) in worst.items()]
 
 
 @compiled

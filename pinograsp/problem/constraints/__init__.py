@@ -1,0 +1,30 @@
+"""The constraints of a grasp, one file each. A new one is a file and a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..constraint import Constraint
+from ..task_model import TaskModel
+from .approach import approach
+from .clearance import Clearance
+from .contact_forces import ContactForces
+from .contact_gap import ContactGap
+from .contact_region import contact_region
+from .joint_limits import joint_limits
+from .pad_tangency import PadTangency
+from .wrench_balance import wrench_balance
+
+CONSTRAINTS: tuple[Callable[[TaskModel], Constraint | None], ...] = (
+    ContactGap,
+    PadTangency,
+    ContactForces,
+    wrench_balance,
+    contact_region,
+    approach,
+    joint_limits,
+    Clearance,
+)
+"""What makes each constraint of a task, in the order of their rows; None where the task does not ask for it."""
+
+__all__ = ["CONSTRAINTS"]

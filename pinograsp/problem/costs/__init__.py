@@ -1,0 +1,18 @@
+"""The parts of the cost U, one file each. A new one is a file and a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..cost import Cost
+from ..task_model import TaskModel
+from .desired_contacts import DesiredContacts
+from .force_cost import ForceCost
+
+COSTS: tuple[Callable[[TaskModel], Cost | None], ...] = (
+    DesiredContacts,
+    ForceCost,
+)
+"""What makes each cost of a task, in the order of their sum; None where the task does not ask for it."""
+
+__all__ = ["COSTS"]
