@@ -92,7 +92,8 @@ def _hand(found: Draft) -> list[str]:
         )
     for joint in found.chain.hand:
         lines.append(f"    - joint: {joint}")
-        lines += [f"      # followed by {other.name}, {other.multiplier:+g}" for other in found.tree.followers(joint)]
+        followers = found.tree.followers(joint)
+        lines += [f"      # followed by {name}, {mimic.multiplier:+g}" for name, mimic in followers.items()]
         if joint in limits:
             lines.append(f"      limits: {list(limits[joint])}    # CHECK: a guess, the URDF has none")
     return lines
