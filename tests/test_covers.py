@@ -36,9 +36,10 @@ from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.scene import Margins
 from pinograsp.errors import InputError
 from pinograsp.geometry import cover_cache, covers
-from pinograsp.geometry.cover_cache import mesh_cover, read_triangles
+from pinograsp.geometry.cover_cache import mesh_cover
 from pinograsp.geometry.covers import clip, cover
 from pinograsp.geometry.hulls import FlatError
+from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import collision_elements
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.robot import RobotModel

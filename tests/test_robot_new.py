@@ -18,8 +18,10 @@ import pinograsp
 from pinograsp import InputError, cli
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import load_robot_description
+from pinograsp.kinematics.collision_elements import link_elements
 from pinograsp.onboarding import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.facets import facets_of
+from pinograsp.onboarding.link_meshes import link_meshes
 from pinograsp.onboarding.rectangles import largest_rectangle
 
 DATA = "package://example-robot-data/robots"
@@ -366,13 +368,9 @@ def test_rectangle_in_a_face_with_a_notch(
 
 
 def test_facets_of_a_box(make_toy: Callable[..., pinograsp.RobotModel]) -> None:
-    from pinograsp.descriptions.urdf import read_urdf
-    from pinograsp.verification.kinematics import parsed
-    from pinograsp.verification.meshes import read_meshes
-
-    description = make_toy().description
-    meshes = read_meshes(parsed(read_urdf(description), description.urdf_file), description)
-    facets = facets_of(meshes["left"])
+    robot = make_toy()
+    meshes = link_meshes(link_elements(robot.urdf.composed, robot.description.urdf_file))
+    facets = facets_of("left", meshes["left"])
     assert len(facets) == 6
     assert sorted(round(float(np.prod(facet.sides)), 9) for facet in facets) == [2e-4, 2e-4, 4e-4, 4e-4, 8e-4, 8e-4]
     for facet in facets:

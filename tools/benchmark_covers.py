@@ -25,7 +25,8 @@ from pinograsp.database import cached_database
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.descriptions.scene import Margins
-from pinograsp.geometry.cover_cache import mesh_cover, read_triangles
+from pinograsp.geometry.cover_cache import mesh_cover
+from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening

@@ -15,7 +15,7 @@ import numpy as np
 
 import pinograsp
 from benchmark_covers import SAMPLES, covered
-from pinograsp.geometry.cover_cache import read_triangles
+from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
 from pinograsp.kinematics.robot import RobotModel
 from pinograsp.onboarding.excess import excess

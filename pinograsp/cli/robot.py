@@ -20,8 +20,8 @@ from ..onboarding import (
     links_table,
     new_robot_file,
     refuse_existing,
-    said_of,
     summary,
+    summary_lines,
     write_new,
 )
 from .folders import make_folder
@@ -89,7 +89,7 @@ def new(
     with console.status("looking at the URDF"):
         text, found = new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or ())
     write_new(text, file)
-    for line in (*said_of(found), f"written: {file}"):
+    for line in (*summary_lines(found), f"written: {file}"):
         console.print(escape(line), highlight=False, soft_wrap=True)
     for number, line in enumerate(text.splitlines(), 1):
         if "CHECK" in line and number > 1:

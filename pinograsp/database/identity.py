@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..descriptions import RobotDescription, SceneDescription
-from ..descriptions.robot import UrdfPart
+from ..descriptions.composition import UrdfPart
 from ..descriptions.scene import Margins
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening

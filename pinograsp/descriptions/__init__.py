@@ -1,7 +1,7 @@
 """Robot files, scene files and tasks: YAML in, frozen and validated data out.
 
 `files` reads YAML with line numbers, `locate` finds files by path, by name and through `package://`,
-`robot` and `scene` hold the pydantic models. Nothing here knows Pinocchio or Coal.
+`robot` (with `composition` and `hand`) and `scene` hold the pydantic models. Nothing here knows Pinocchio or Coal.
 """
 
 from .locate import shipped_robots, shipped_scenes

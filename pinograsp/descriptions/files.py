@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 import yaml
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ..disk import digest
@@ -24,6 +24,8 @@ def _number(value: object) -> object:
 
 Number = Annotated[FiniteFloat, BeforeValidator(_number)]
 Vector3 = tuple[Number, Number, Number]
+Positive = Annotated[Number, Field(gt=0.0)]
+Name = Annotated[str, Field(min_length=1)]
 Interval = tuple[Number, Number]
 Format1 = Annotated[Literal[1], BeforeValidator(_number)]
 KeyPath = tuple[str | int, ...]

@@ -10,13 +10,14 @@ the robot file allows, so that nothing after this has to know which file an elem
 
 from __future__ import annotations
 
+import copy
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, close_names
+from .composition import Attachment, Composition, UrdfPart
 from .locate import resolve
-from .robot import Attachment, Composition, UrdfPart
 from .urdf_checks import check_tree, number
 
 Pairs = dict[frozenset[str], frozenset[str]]
@@ -68,18 +69,32 @@ def read_urdf(robot: Composition) -> RobotUrdf:
     """
     tree, cut = _part(robot, robot.urdf_file, robot, "")
     disabled = _disabled_pairs(robot.srdf_file, _renamed(tree, cut, ""))
-    complete = robot.srdf_file is not None
-    for number_, attachment in enumerate(robot.attach):
-        key = f"attach[{number_}]"
-        files = robot.attached_files[number_]
-        part, cut = _part(attachment, files.urdf, robot, f"{key}.")
-        renamed = _renamed(part, cut, attachment.prefix)
-        _prefix(part, attachment.prefix, key)
-        _attach(tree, part, attachment, robot, key)
-        for pair, reasons in _disabled_pairs(files.srdf, renamed).items():
-            disabled[pair] = disabled.get(pair, frozenset()) | reasons
-        complete = complete and files.srdf is not None
-    return RobotUrdf(tree, disabled, complete)
+    urdf = RobotUrdf(tree, disabled, robot.srdf_file is not None)
+    for index in range(len(robot.attach)):
+        urdf = attached(urdf, robot, index)
+    return urdf
+
+
+def attached(urdf: RobotUrdf, robot: Composition, index: int) -> RobotUrdf:
+    """Read what `robot.attach[index]` names, and return it attached to what is there so far, which is left as it is.
+
+    Raises:
+        InputError: as for `read_urdf`.
+    """
+    key, attachment, files = attachment_joint(index), robot.attach[index], robot.attached_files[index]
+    part, cut = _part(attachment, files.urdf, robot, f"{key}.")
+    renamed = _renamed(part, cut, attachment.prefix)
+    _prefix(part, attachment.prefix, key)
+    tree, disabled = copy.deepcopy(urdf.tree), dict(urdf.disabled)
+    _attach(tree, part, attachment, robot, key)
+    for pair, reasons in _disabled_pairs(files.srdf, renamed).items():
+        disabled[pair] = disabled.get(pair, frozenset()) | reasons
+    return RobotUrdf(tree, disabled, urdf.complete and files.srdf is not None)
+
+
+def attachment_joint(index: int) -> str:
+    """Return the name of the fixed joint that holds `attach[index]`, which is its key in the robot file."""
+    return f"attach[{index}]"
 
 
 def mimics_of(tree: ET.Element, file: Path) -> dict[str, Mimic]:

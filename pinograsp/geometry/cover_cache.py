@@ -14,13 +14,13 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
-import trimesh
 
 from ..arrays import Array
 from ..disk import cache_folder, digest, write_whole
 from ..errors import InputError
 from .covers import VERSION, cover
 from .hulls import FlatError
+from .mesh_file import read_triangles, unreadable
 
 Pieces = tuple[Array, ...]
 """Vertices of convex pieces, each of shape (k, 3), m."""
@@ -41,7 +41,7 @@ def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: flo
     try:
         content = mesh.read_bytes()
     except OSError as error:
-        raise _unreadable(mesh, error) from None
+        raise unreadable(mesh, error) from None
     settings = f"{VERSION} {mesh.suffix.lower()} {scale} {pieces} {tolerance}"
     key = digest(content + settings.encode())
     return _cached(key, mesh, scale, pieces, tolerance)
@@ -58,23 +58,6 @@ def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, toleran
             raise InputError("the collision mesh has no volume", file=mesh) from None
         _save(file, found)
     return found
-
-
-def read_triangles(mesh: Path) -> Array:
-    """Return the triangles of a mesh file, placed as its scene places them, in metres, shape (n, 3, 3).
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    try:
-        whole = trimesh.load_scene(mesh).to_geometry()
-        return np.asarray(np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)])
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
-        raise _unreadable(mesh, error) from None
-
-
-def _unreadable(mesh: Path, error: Exception) -> InputError:
-    return InputError(f"the collision mesh cannot be read: {error}", file=mesh)
 
 
 def _load(file: Path) -> Pieces | None:

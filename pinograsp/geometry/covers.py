@@ -34,6 +34,7 @@ from threadpoolctl import threadpool_limits
 from ..arrays import Array, Indices
 from .hulls import FlatError, Hull, areas, boundary, spread
 from .mesh_surface import MeshSurface
+from .triangle_mesh import winding_number
 
 VERSION = 6
 """Of the algorithm; to be raised with every change that gives other pieces."""
@@ -110,7 +111,7 @@ def _cut(part: _Part, plane: _Plane, mesh: Array) -> list[_Part]:
 
 
 def _part(triangles: Array, planes: tuple[_Plane, ...], mesh: Array) -> _Part:
-    inside = [corner for corner in _corners(planes) if abs(_winding_number(mesh, corner)) > 0.5]
+    inside = [corner for corner in _corners(planes) if abs(winding_number(mesh, corner)) > 0.5]
     return _Part(triangles, planes, Hull(np.concatenate([triangles.reshape(-1, 3), np.reshape(inside, (-1, 3))])))
 
 
@@ -156,18 +157,6 @@ def _corners(planes: Sequence[_Plane]) -> list[Array]:
             if all(plane.normal @ corner <= plane.offset + 1e-9 for plane in planes):
                 corners.append(corner)
     return corners
-
-
-def _winding_number(triangles: Array, point: Array) -> float:
-    """Return how often a surface goes around a point: its solid angle over 4 pi (van Oosterom and Strackee 1983).
-
-    Small holes in the surface change it little.
-    """
-    a, b, c = (triangles - point).transpose(1, 0, 2)
-    la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
-    volumes = (a * np.cross(b, c)).sum(axis=1)
-    ab, bc, ca = ((one * other).sum(axis=1) for one, other in ((a, b), (b, c), (c, a)))
-    return float(np.arctan2(volumes, la * lb * lc + ab * lc + bc * la + ca * lb).sum() / (2.0 * np.pi))
 
 
 # ---- the search for a plane

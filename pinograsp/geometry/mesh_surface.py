@@ -1,4 +1,4 @@
-"""Exact distances of points to a triangle mesh."""
+"""Exact distances to the surface of a triangle mesh."""
 
 from __future__ import annotations
 
@@ -34,3 +34,15 @@ class MeshSurface:
             for place in places
         ]
         return np.maximum(found, 0.0)
+
+    def distance_to(self, other: MeshSurface, pose: Array) -> float:
+        """Return the distance to another surface, m, not positive where they intersect.
+
+        Args:
+            other: the other surface.
+            pose: of the other's frame in this one's, shape (4, 4).
+        """
+        place, request = coal.Transform3s(pose[:3, :3], pose[:3, 3]), coal.DistanceRequest()
+        request.enable_signed_distance = False  # depths of surfaces mean nothing
+        here, result = coal.Transform3s(), coal.DistanceResult()
+        return float(coal.distance(self._tree, here, other._tree, place, request, result))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..descriptions import RobotDescription
-from ..errors import InputError
-from .urdf import PreparedUrdf, require
+from ..errors import InputError, close_names
+from .urdf import PreparedUrdf
 
 
 def check_names(description: RobotDescription, urdf: PreparedUrdf) -> None:
@@ -43,3 +43,19 @@ def check_names(description: RobotDescription, urdf: PreparedUrdf) -> None:
         require(pad.link, links, "link", f"pads[{i}].link", description)
     for link in description.collision.links:
         require(link, links, "link", f"collision.links.{link}", description)
+
+
+def require(name: str, known: list[str], what: str, key: str, description: RobotDescription) -> None:
+    """Raise an InputError unless the URDF has a joint or link of this name."""
+    if name not in known:
+        raise InputError(
+            f"{what} {name!r} is not in {_files(description)}",
+            file=description.source,
+            key=key,
+            remedy=close_names(name, known),
+        )
+
+
+def _files(description: RobotDescription) -> str:
+    files = [description.urdf_file, *(files.urdf for files in description.attached_files)]
+    return " or ".join(file.name for file in files)

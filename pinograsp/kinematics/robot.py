@@ -22,8 +22,8 @@ import pinocchio as pin
 
 from ..arrays import Array, Indices
 from ..descriptions import RobotDescription
+from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
-from ..descriptions.robot import PadDescription
 from ..descriptions.urdf import Mimic
 from ..disk import digest
 from ..errors import InputError

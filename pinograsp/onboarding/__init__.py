@@ -2,7 +2,7 @@
 
 from .check import Report, check_robot
 from .findings import Finding, LinkFigures
-from .new import HandMount, new_robot_file, refuse_existing, said_of, write_new
+from .new import HandMount, new_robot_file, refuse_existing, summary_lines, write_new
 from .table import findings_table, links_table, summary
 
 __all__ = [
@@ -15,7 +15,7 @@ __all__ = [
     "links_table",
     "new_robot_file",
     "refuse_existing",
-    "said_of",
     "summary",
+    "summary_lines",
     "write_new",
 ]

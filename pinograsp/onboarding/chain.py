@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, close_names
+from ..kinematics.tree import UrdfTree
 from .findings import in_words, number_of
-from .tree import Tree
 
 LONGEST_FINGER = 5
 """Joints of a finger, if the arm has no more."""
@@ -27,7 +27,7 @@ class Chain:
     """Movable joints of neither, which follow none."""
 
 
-def find_chain(tree: Tree, file: Path, tip: str | None, hand: frozenset[str] | None) -> Chain:
+def find_chain(tree: UrdfTree, file: Path, tip: str | None, hand: frozenset[str] | None) -> Chain:
     """Find the longest chain of joints up to a body from which two or more fingers branch off.
 
     Joints of the chain neither follow others nor are followed: that sets the arm apart from the linkages of a hand.
@@ -50,17 +50,17 @@ def find_chain(tree: Tree, file: Path, tip: str | None, hand: frozenset[str] | N
     if not leaders:
         raise _no_fingers(tree, file, palm)
     used = {*arm, *leaders}
-    still = tuple(joint.name for joint in tree.movable() if joint.leader is None and joint.name not in used)
+    still = tuple(joint.name for joint in tree.movable if joint.leader is None and joint.name not in used)
     return Chain(arm, palm, leaders, still)
 
 
-def require_link(tree: Tree, link: str, option: str) -> None:
+def require_link(tree: UrdfTree, link: str, option: str) -> None:
     """Raise an InputError unless the tree has a link of this name."""
     if link not in tree.links:
         raise InputError(f"there is no link {link!r}", key=option, remedy=close_names(link, tree.links))
 
 
-def last_link(tree: Tree, file: Path) -> str:
+def last_link(tree: UrdfTree, file: Path) -> str:
     """Return the one link at the end of an arm without fingers.
 
     Raises:
@@ -74,7 +74,7 @@ def last_link(tree: Tree, file: Path) -> str:
     return found[0]
 
 
-def _palm(tree: Tree, file: Path) -> str:
+def _palm(tree: UrdfTree, file: Path) -> str:
     bodies = dict.fromkeys(map(tree.body, tree.links))
     forks = [body for body in bodies if len(tree.branches(body)) > 1 and tree.path(body)]
     palms = [body for body in forks if all(_free(tree, joint.name) for joint in tree.path(body)) and _hand(tree, body)]
@@ -90,17 +90,17 @@ def _palm(tree: Tree, file: Path) -> str:
     return tips[0]
 
 
-def _hand(tree: Tree, palm: str) -> bool:
+def _hand(tree: UrdfTree, palm: str) -> bool:
     """Whether what a body carries may be fingers: a torso carries arms."""
     lengths = [len(tree.path(joint.child)) - len(tree.path(palm)) for joint in tree.carried(palm)]
     return max(lengths) <= max(LONGEST_FINGER, len(tree.path(palm)))
 
 
-def _free(tree: Tree, name: str) -> bool:
+def _free(tree: UrdfTree, name: str) -> bool:
     return tree.joints[name].leader is None and not tree.followers(name)
 
 
-def _no_fingers(tree: Tree, file: Path, palm: str) -> InputError:
+def _no_fingers(tree: UrdfTree, file: Path, palm: str) -> InputError:
     links, count = tree.body_links(palm), len(tree.path(palm))
     return InputError(
         f"no fingers were found: none branch off {in_words(links)}, after {number_of(count, 'joint')}",

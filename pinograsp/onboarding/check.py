@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
+from ..kinematics.collision_elements import link_elements
 from ..kinematics.robot import RobotModel
-from ..verification.kinematics import Kinematics, parsed
-from ..verification.meshes import read_meshes
 from .collisions import collision_findings
 from .findings import Finding, LinkFigures
 from .hand import hand_findings
 from .joints import joint_findings, unusable_limits
+from .link_meshes import link_meshes
 from .meshes import link_figures, mesh_findings
 from .pads import pad_findings
 
@@ -36,24 +37,32 @@ class Report:
 def check_robot(description: RobotDescription) -> Report:
     """Look at a robot file. What makes it useless is a finding, too; nothing is raised."""
     try:
-        urdf = read_urdf(description)
-        unusable = tuple(unusable_limits(description, urdf))
-        if unusable:
-            return Report(unusable)
         robot = RobotModel(description)
-        kinematics = Kinematics(parsed(urdf, description.urdf_file), description.urdf_file)
-        meshes = read_meshes(parsed(urdf, description.urdf_file), description)
+    except InputError as error:
+        return Report(_refused(description, error))
+    try:
+        meshes = link_meshes(link_elements(robot.urdf.composed, description.urdf_file))
         figures = link_figures(robot, meshes)
     except InputError as error:
         return Report((_of(error),))
     findings = [
+        *unusable_limits(description, robot.urdf.composed),
         *joint_findings(robot),
         *hand_findings(robot),
         *pad_findings(robot, meshes),
-        *mesh_findings(figures, meshes, urdf, robot),
-        *collision_findings(robot, urdf, kinematics, meshes),
+        *mesh_findings(figures, meshes, robot),
+        *collision_findings(robot, meshes),
     ]
     return Report(tuple(findings), tuple(figures), robot)
+
+
+def _refused(description: RobotDescription, error: InputError) -> tuple[Finding, ...]:
+    """Return why there is no robot model: if for unusable limits, all of them (the error names one), else the error."""
+    with suppress(InputError):  # of a URDF that cannot be read: that is the error given
+        unusable = tuple(unusable_limits(description, read_urdf(description)))
+        if unusable:
+            return unusable
+    return (_of(error),)
 
 
 def _of(error: InputError) -> Finding:

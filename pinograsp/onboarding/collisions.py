@@ -14,12 +14,10 @@ from ..collision.allowed_pairs import allowed_pairs, always_near, pairs_apart
 from ..collision.solids import distance_request
 from ..collision.world import Body, BodyKey
 from ..descriptions.scene import Margins
-from ..descriptions.urdf import RobotUrdf
+from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.forward import forward
 from ..kinematics.robot import RobotModel
-from ..verification.clearance import Placed, mesh_distance
-from ..verification.kinematics import Kinematics
-from ..verification.link_mesh import LinkMesh
+from ..kinematics.tree import UrdfTree
 from .findings import Finding, in_words
 
 CENTRAL = 0.9
@@ -28,14 +26,12 @@ CENTRAL = 0.9
 Links = frozenset[str]
 
 
-def collision_findings(
-    robot: RobotModel, urdf: RobotUrdf, kinematics: Kinematics, meshes: Mapping[str, LinkMesh]
-) -> Iterator[Finding]:
+def collision_findings(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
     """Look for links that collide, with the margin that a task has if it gives none."""
     margin = Margins().robot
     allowed = allowed_pairs(robot, margin)
     pairs = pairs_apart(robot, allowed)
-    if urdf.complete:
+    if robot.urdf.complete:
         remedy = (
             'Excuse the pair in the SRDF (reason="Always"), or leave the srdf out: then pairs are found by sampling'
         )
@@ -43,25 +39,25 @@ def collision_findings(
             what = f"{words} are nearer than {1e3 * margin:g} mm in every posture: no grasp can be found"
             yield Finding("wrong", what, remedy)
     else:
-        yield _found_without_srdf(frozenset(map(_names, allowed)) - robot.urdf.disabled_pairs, kinematics)
+        yield _found_without_srdf(frozenset(map(_names, allowed)) - robot.urdf.disabled_pairs, robot.urdf.tree)
     middle = 0.5 * (robot.lower + robot.upper)
     neutral = np.where(np.abs(middle) < CENTRAL * 0.5 * (robot.upper - robot.lower), 0.0, middle)
     found = []
     for name, posture in (("joints at zero", neutral), ("joints in mid-range", middle)):
-        placed = Placed(dict(meshes), kinematics.poses(robot.joints_by_name(posture)))
-        found += list(_overlapping(name, _overlaps(robot, pairs, posture), placed, meshes))
+        poses = robot.urdf.tree.poses(robot.joints_by_name(posture))
+        found += list(_overlapping(name, _overlaps(robot, pairs, posture), poses, meshes))
     yield from found
     if not found:
         yield Finding("ok", "no self-collision with joints at zero or in mid-range")
 
 
 def _overlapping(
-    posture: str, overlaps: dict[Links, float], placed: Placed, meshes: Mapping[str, LinkMesh]
+    posture: str, overlaps: dict[Links, float], poses: Mapping[str, Array], meshes: Mapping[str, TriangleMesh]
 ) -> Iterator[Finding]:
     """Tell overlaps of the pieces, which contain the meshes, from overlaps of the meshes."""
     for links in sorted(overlaps, key=_words):
-        first, second = (meshes[link] for link in links)
-        if mesh_distance(first, second, placed, 1e-6) <= 0.0:
+        first, second = links
+        if meshes[first].overlaps(meshes[second], np.linalg.inv(poses[first]) @ poses[second]):
             remedy = "Look at the picture; if they are meant to touch there, excuse the pair in an SRDF"
             yield Finding("doubtful", f"with {posture}, {_words(links)} collide", remedy)
         else:
@@ -70,8 +66,8 @@ def _overlapping(
             yield Finding("doubtful", f"with {posture}, convex pieces of {_words(links)} {depth}", remedy)
 
 
-def _found_without_srdf(excused: frozenset[Links], kinematics: Kinematics) -> Finding:
-    others = sorted(_words(links) for links in excused if not kinematics.adjacent(*links))
+def _found_without_srdf(excused: frozenset[Links], tree: UrdfTree) -> Finding:
+    others = sorted(_words(links) for links in excused if not tree.adjacent(*links))
     what = f"not every URDF has an SRDF: {len(excused) - len(others)} pairs of neighbours are not checked"
     if others:
         what += f", nor {len(others)} that never get apart or, in the hand, never touch: {in_words(others, 3)}"

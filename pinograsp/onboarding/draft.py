@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.robot import Composition
-from ..descriptions.urdf import read_urdf
-from ..verification.kinematics import Kinematics, parsed
-from ..verification.meshes import read_meshes
-from .chain import Chain, find_chain, last_link, require_link
+from ..descriptions.composition import Composition
+from ..descriptions.urdf import RobotUrdf, attachment_joint
+from ..kinematics.collision_elements import link_elements
+from ..kinematics.tree import UrdfTree
+from .chain import Chain, find_chain, require_link
 from .facets import Facet, facets_of
 from .facing import facing_pair, usual_limits
-from .tree import Tree
+from .link_meshes import link_meshes
 
 ALONG = math.cos(math.radians(30.0))
 """A wrist's z axis is at most this far off the direction to the pads."""
@@ -30,7 +30,7 @@ class Draft:
     """What was found."""
 
     composition: Composition
-    tree: Tree
+    tree: UrdfTree
     chain: Chain
     pads: tuple[Facet, Facet] | None
     wrist: str
@@ -38,59 +38,48 @@ class Draft:
     """Whether the wrist's z axis points to the pads."""
 
 
-def draft(composition: Composition, tip: str | None) -> Draft:
+def draft(composition: Composition, urdf: RobotUrdf, tip: str | None) -> Draft:
     """Find out what can be known without asking.
 
     Args:
-        composition: the URDFs; what is attached last is the hand, if anything is.
+        composition: what is attached last is the hand, if anything is.
+        urdf: as composed.
         tip: a link of the body that carries the hand, where there are several.
 
     Raises:
-        InputError: a URDF or a mesh cannot be read, or arm and hand cannot be told apart.
+        InputError: a mesh cannot be read, or arm and hand cannot be told apart.
     """
-    urdf, file = read_urdf(composition), composition.urdf_file
-    tree = Tree(urdf, file)
+    file = composition.urdf_file
+    tree = UrdfTree(urdf, file)
     hand = None
     if composition.attach:
-        alone = Tree(read_urdf(arm_alone(composition)), file)
-        hand, tip = frozenset(tree.joints.keys() - alone.joints.keys()), composition.attach[-1].to
+        hand, tip = _last_attached(tree, composition), composition.attach[-1].to
     elif tip is not None:
         require_link(tree, tip, "--tip")
     chain = find_chain(tree, file, tip, hand)
-    read = parsed(urdf, file)
-    kinematics = Kinematics(read, file)
     moved = {tree.body(joint.child) for joint in tree.carried(chain.palm) if (joint.leader or joint.name) in chain.hand}
-    meshes = read_meshes(read, composition)
-    facets = [facet for link, mesh in meshes.items() if tree.body(link) in moved for facet in facets_of(mesh)]
-    pads = facing_pair(facets, tree, kinematics, chain.palm, chain.hand)
+    meshes = link_meshes(link_elements(urdf, file))
+    facets = [facet for link, mesh in meshes.items() if tree.body(link) in moved for facet in facets_of(link, mesh)]
+    pads = facing_pair(facets, tree, chain.palm, chain.hand)
     to = composition.attach[-1].to if composition.attach else None
-    wrist, towards = _wrist(tree, chain, kinematics, pads, to)
+    wrist, towards = _wrist(tree, chain, pads, to)
     return Draft(composition, tree, chain, pads, wrist, towards)
 
 
-def arm_alone(composition: Composition) -> Composition:
-    """Return a composition without what is attached last."""
-    return composition.model_copy(update={"attach": composition.attach[:-1]})
+def _last_attached(tree: UrdfTree, composition: Composition) -> frozenset[str]:
+    """Return the movable joints of what is attached last."""
+    root = tree.joints[attachment_joint(len(composition.attach) - 1)].child
+    links = {root, *tree.outwards(root)}
+    return frozenset(joint.name for joint in tree.movable if joint.parent in links)
 
 
-def tip_of(arm: Composition) -> str:
-    """Return the link at the end of an arm that has no hand.
-
-    Raises:
-        InputError: there are several.
-    """
-    return last_link(Tree(read_urdf(arm), arm.urdf_file), arm.urdf_file)
-
-
-def _wrist(
-    tree: Tree, chain: Chain, kinematics: Kinematics, pads: Sequence[Facet] | None, to: str | None
-) -> tuple[str, bool]:
+def _wrist(tree: UrdfTree, chain: Chain, pads: Sequence[Facet] | None, to: str | None) -> tuple[str, bool]:
     """Return a link of the palm whose z axis points to the pads (without pads, to the fingers), and whether it does.
 
     Best is what a hand of its own is mounted on, then what is called like a tool frame, then what carries the fingers.
     """
     links = tree.body_links(chain.palm)
-    poses = kinematics.poses(kinematics.followed(dict.fromkeys(chain.hand, 0.0)))
+    poses = tree.poses({})
     if pads is None:
         places = [poses[joint.child][:3, 3] for joint in tree.carried(chain.palm)]
     else:

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..geometry.cover_cache import mesh_cover, read_triangles
+from ..geometry.cover_cache import mesh_cover
 from ..geometry.hulls import Hull, boundary
 from ..geometry.mesh_surface import MeshSurface
 from ..kinematics.collision_elements import collision_elements
 from ..kinematics.robot import RobotModel
+from .link_meshes import element_triangles
 
 SAMPLES = 1500
 
@@ -37,6 +38,6 @@ def link_covers(robot: RobotModel) -> dict[str, tuple[int, Array]]:
             found[element.link] = (count + 1, distances)
             continue
         pieces = mesh_cover(element.mesh, element.size, *robot.description.collision.of(element.link))
-        beyond = excess(pieces, read_triangles(element.mesh) * element.size)
+        beyond = excess(pieces, element_triangles(element))
         found[element.link] = (count + len(pieces), np.concatenate([distances, beyond]))
     return found

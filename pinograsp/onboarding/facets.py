@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..verification.link_mesh import LinkMesh
+from ..geometry.triangle_mesh import TriangleMesh
 from .rectangles import largest_rectangle
 
 FLAT = 1e-4
@@ -36,9 +36,9 @@ class Facet:
     """How far the link reaches beyond the plane of the face, m."""
 
 
-def facets_of(mesh: LinkMesh) -> list[Facet]:
+def facets_of(link: str, mesh: TriangleMesh) -> list[Facet]:
     """Return the flat faces of a link that hold a rectangle with sides of at least `LEAST_SIDE`."""
-    triangles = mesh.triangles
+    corners, triangles = mesh.corners, mesh.triangles
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(normals, axis=1) / 2
     fit = areas > 1e-12
@@ -52,7 +52,7 @@ def facets_of(mesh: LinkMesh) -> list[Facet]:
         face = left & (normals @ normal > PARALLEL)
         face[face] = np.abs((triangles[face] - triangles[seed, 0]) @ normal).max(axis=1) < FLAT
         left &= ~face
-        facet = _facet(mesh, triangles[face], _tidy(normal)) if areas[face].sum() > LEAST_SIDE**2 else None
+        facet = _facet(link, corners, triangles[face], _tidy(normal)) if areas[face].sum() > LEAST_SIDE**2 else None
         found += [] if facet is None else [facet]
     return found
 
@@ -71,7 +71,8 @@ def _seeds(triangles: Array, normals: Array, areas: Array) -> list[int]:
     return [int(order[first[k]]) for k in worth[np.argsort(-total[worth])][:MOST_SEEDS]]
 
 
-def _facet(mesh: LinkMesh, triangles: Array, normal: Array) -> Facet | None:
+def _facet(link: str, corners: Array, triangles: Array, normal: Array) -> Facet | None:
+    """Return the facet of a flat face, made up of `triangles`, of a link whose triangles have `corners`."""
     height = float((triangles @ normal).max())  # nothing of the face stands out of the patch
     frames = [np.column_stack([x, np.cross(normal, x), normal]) for x in _directions(triangles, normal)]
     extents = [np.ptp((triangles @ axes[:, :2]).reshape(-1, 2), axis=0) for axes in frames]
@@ -87,8 +88,8 @@ def _facet(mesh: LinkMesh, triangles: Array, normal: Array) -> Facet | None:
     x = np.abs(origin @ axes[:, :2]).argmax()  # along the finger, away from where it is hinged
     first = axes[:, x] * (1.0 if origin @ axes[:, x] >= 0.0 else -1.0)
     axes = np.column_stack([first, np.cross(normal, first), normal])
-    standing = float((mesh.hull @ normal).max()) - height
-    return Facet(mesh.link, origin, axes, sides if x == 0 else sides[::-1], standing)
+    standing = float((corners @ normal).max()) - height
+    return Facet(link, origin, axes, sides if x == 0 else sides[::-1], standing)
 
 
 def _directions(triangles: Array, normal: Array) -> list[Array]:

@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..verification.kinematics import Kinematics
+from ..kinematics.tree import TreeJoint, UrdfTree
 from .facets import Facet
-from .tree import Tree, TreeJoint
 
 OPPOSED = math.cos(math.radians(8.0))
 OVERLAP_ALLOWED = 1e-3
@@ -32,21 +31,18 @@ def usual_limits(joint: TreeJoint) -> tuple[float, float] | None:
     return USUAL_RANGE.get(joint.kind, USUAL_TURN)
 
 
-def facing_pair(
-    facets: Sequence[Facet], tree: Tree, kinematics: Kinematics, palm: str, hand: Sequence[str]
-) -> tuple[Facet, Facet] | None:
+def facing_pair(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[str]) -> tuple[Facet, Facet] | None:
     """Return the two faces that face each other most of the time, with the largest area, and that close.
 
     Args:
         facets: of the fingers.
         tree: of the robot.
-        kinematics: of the robot, at any pose of its root.
         palm: link that carries the fingers; the faces are of different ones.
         hand: the hand's joints that follow none.
     """
     if not facets:
         return None
-    poses = [kinematics.poses(kinematics.followed(angles)) for angles in _postures(tree, hand)]
+    poses = [tree.poses(angles) for angles in _postures(tree, hand)]
     first_joint = len(tree.path(palm))
     fingers = [tree.path(facet.link)[first_joint].name for facet in facets]
     best, found = 0.0, None
@@ -79,7 +75,7 @@ def _freedom(facet: Facet) -> float:
     return 1.0 if facet.standing <= PROUD else 0.2
 
 
-def _postures(tree: Tree, hand: Sequence[str]) -> list[dict[str, float]]:
+def _postures(tree: UrdfTree, hand: Sequence[str]) -> list[dict[str, float]]:
     ranges = []
     for name in hand:
         joint = tree.joints[name]

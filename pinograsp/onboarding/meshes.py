@@ -6,12 +6,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
-from ..arrays import Array
-from ..descriptions.urdf import RobotUrdf
+from ..geometry.triangle_mesh import TriangleMesh, winding_number
 from ..kinematics.robot import RobotModel
-from ..verification.link_mesh import LinkMesh
 from .excess import link_covers
 from .findings import Finding, LinkFigures, in_words
 
@@ -22,19 +19,18 @@ LARGEST, SMALLEST = 3.0, 0.002
 _SAMPLES = 48
 
 
-def link_figures(robot: RobotModel, meshes: Mapping[str, LinkMesh]) -> list[LinkFigures]:
+def link_figures(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> list[LinkFigures]:
     """Return the figures of every link with collision geometry."""
     found = []
     for link, (pieces, distances) in link_covers(robot).items():
-        closed = bool(_merged(meshes[link]).is_watertight)
         excess = float(np.percentile(distances, 95))
         count = len(meshes[link].triangles)
-        found.append(LinkFigures(link, count, closed, pieces, excess, float(distances.max())))
+        found.append(LinkFigures(link, count, meshes[link].closed, pieces, excess, float(distances.max())))
     return found
 
 
 def mesh_findings(
-    figures: list[LinkFigures], meshes: Mapping[str, LinkMesh], urdf: RobotUrdf, robot: RobotModel
+    figures: list[LinkFigures], meshes: Mapping[str, TriangleMesh], robot: RobotModel
 ) -> Iterator[Finding]:
     """Judge the meshes."""
     open_ones = [figure.link for figure in figures if not figure.closed]
@@ -46,7 +42,7 @@ def mesh_findings(
         cracks = f"; cracks in {in_words(open_ones)} are too fine to matter" if open_ones else ""
         yield Finding("ok", f"collision geometry of {len(figures)} links, all found and watertight{cracks}")
     for link, mesh in meshes.items():
-        size = float(np.ptp(mesh.hull, axis=0).max())
+        size = float(np.ptp(mesh.corners, axis=0).max())
         if not SMALLEST < size < LARGEST:
             remedy = 'Meshes in millimetres need scale="0.001 0.001 0.001"'
             yield Finding("doubtful", f"link {link} is {size:.4g} m large", remedy)
@@ -60,27 +56,22 @@ def mesh_findings(
     worst = max(figures, key=lambda figure: figure.excess, default=None)
     if worst is not None and 0.0 < worst.excess <= LOOSE:
         yield Finding("ok", f"convex pieces stand off by at most {1e3 * worst.excess:.1f} mm ({worst.link})")
-    yield from _without_geometry(meshes, urdf, robot)
+    yield from _without_geometry(meshes, robot)
 
 
-def encloses(mesh: LinkMesh) -> bool:
+def encloses(mesh: TriangleMesh) -> bool:
     """Whether points are clearly inside or outside: winding numbers near whole ones, in spite of holes."""
-    low, high = mesh.hull.min(axis=0), mesh.hull.max(axis=0)
+    low, high = mesh.corners.min(axis=0), mesh.corners.max(axis=0)
     points = np.random.default_rng(0).uniform(low, high, (_SAMPLES, 3))
-    windings = np.array([mesh.winding_number(point) for point in points])
+    windings = np.array([winding_number(mesh.triangles, point) for point in points])
     return bool((np.abs(windings - windings.round()) < 0.2).mean() > 0.95)
 
 
-def _merged(mesh: LinkMesh) -> trimesh.Trimesh:
-    corners: Array = mesh.triangles.reshape(-1, 3)
-    return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=True)
-
-
-def _without_geometry(meshes: Mapping[str, LinkMesh], urdf: RobotUrdf, robot: RobotModel) -> Iterator[Finding]:
+def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: RobotModel) -> Iterator[Finding]:
     """Find what would move unseen, and what cannot be shown."""
-    body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in urdf.links}
+    body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in robot.urdf.links}
     solid = {body[link] for link in meshes}
-    for link in urdf.tree.findall("link"):
+    for link in robot.urdf.composed.tree.findall("link"):
         name = link.get("name", "")
         if link.find("visual") is not None and body[name] not in solid:
             remedy = "Give it a <collision>: the planner does not see it"

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..descriptions.composition import Attachment, Composition
 from ..descriptions.files import Vector3
 from ..descriptions.pose import ZERO
-from ..descriptions.robot import Attachment, Composition
-from ..descriptions.urdf import read_urdf
+from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..errors import InputError
+from ..kinematics.tree import UrdfTree
 from .addresses import address_of, find_urdf, needed_packages
-from .chain import require_link
-from .draft import Draft, draft, tip_of
+from .chain import last_link, require_link
+from .draft import Draft, draft
 from .findings import in_words, number_of
 from .robot_file import robot_file, srdf_beside
-from .tree import Tree
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,13 @@ def new_robot_file(
         source=output,
         digest="",
     )
+    composed = read_urdf(composition)
     if hand is not None:
-        composition = _with_hand(composition, hand, address_of(files[1], output))
-    try:
-        found = draft(composition, tip)
-    except InputError as error:
-        raise _of_the_command_line(error) from None
+        file = composition.urdf_file
+        to = _mount(UrdfTree(composed, file), file, hand)
+        composition = _with_hand(composition, hand, to, address_of(files[1], output))
+        composed = _attached(composed, composition)
+    found = draft(composition, composed, tip)
     srdf = srdf_beside(files[0])
     name = output.resolve().parent.name
     return robot_file(found, name, None if srdf is None else address_of(srdf, output)), found
@@ -76,16 +77,25 @@ def new_robot_file(
 _OPTIONS = {"attach[0].prefix": "--prefix", "attach[0].root": "--hand-root"}
 
 
-def _of_the_command_line(error: InputError) -> InputError:
-    """Return an error about a key of the robot file, which is not there yet, as one about an option."""
-    if error.key not in _OPTIONS:
-        return error
-    return InputError(error.problem, key=_OPTIONS[error.key], remedy=error.remedy)
+def _attached(arm: RobotUrdf, composition: Composition) -> RobotUrdf:
+    """Attach the hand; errors about keys of the robot file, which is not there yet, become those about options."""
+    try:
+        return attached(arm, composition, 0)
+    except InputError as error:
+        if error.key not in _OPTIONS:
+            raise
+        raise InputError(error.problem, key=_OPTIONS[error.key], remedy=error.remedy) from None
 
 
-def _with_hand(arm: Composition, hand: HandMount, address: str) -> Composition:
-    to = tip_of(arm) if hand.to is None else hand.to
-    require_link(Tree(read_urdf(arm), arm.urdf_file), to, "--to")
+def _mount(arm: UrdfTree, file: Path, hand: HandMount) -> str:
+    """Return the link of the arm that the hand sits on."""
+    if hand.to is None:
+        return last_link(arm, file)
+    require_link(arm, hand.to, "--to")
+    return hand.to
+
+
+def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Composition:
     part = Attachment(urdf=address, root=hand.root, to=to, prefix=hand.prefix, position=hand.position, rpy=hand.rpy)
     return arm.model_copy(update={"attach": (part,)})
 
@@ -110,7 +120,7 @@ def write_new(text: str, output: Path) -> None:
         raise InputError(f"cannot be written: {reason}", file=output, key="--output") from None
 
 
-def said_of(found: Draft) -> list[str]:
+def summary_lines(found: Draft) -> list[str]:
     """Return lines that say what was found."""
     arm, hand = found.chain.arm, found.chain.hand
     lines = [f"arm: {number_of(len(arm), 'joint')}, {arm[0]} .. {arm[-1]}; wrist {found.wrist}"]

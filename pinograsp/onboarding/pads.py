@@ -8,11 +8,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.robot import PadDescription
-from ..geometry.mesh_surface import MeshSurface
+from ..descriptions.hand import PadDescription
 from ..geometry.patches import patch_point
+from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.robot import RobotModel
-from ..verification.link_mesh import LinkMesh
 from .findings import Finding
 
 OFF = 0.001
@@ -22,7 +21,7 @@ PROBE = 0.0015
 STEPS = 7
 
 
-def pad_findings(robot: RobotModel, meshes: Mapping[str, LinkMesh]) -> Iterator[Finding]:
+def pad_findings(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
     """Compare every pad with the collision geometry of its link."""
     for pad in robot.description.pads:
         if pad.link not in meshes:
@@ -32,16 +31,16 @@ def pad_findings(robot: RobotModel, meshes: Mapping[str, LinkMesh]) -> Iterator[
             yield from _compared(pad, meshes[pad.link])
 
 
-def _compared(pad: PadDescription, mesh: LinkMesh) -> Iterator[Finding]:
+def _compared(pad: PadDescription, mesh: TriangleMesh) -> Iterator[Finding]:
     points, normals = surface_points(pad)
-    off = MeshSurface(mesh.triangles).distances(points)
+    off = mesh.surface.distances(points)
     name, remedy = f"pad {pad.name}", f"Check origin, normal, u and v in the frame of {pad.link}; look at the picture"
     if off.min() > OFF:
         what = f"{name} lies outside its link: {1e3 * off.min():.1f} mm off {pad.link} at the nearest"
         yield Finding("wrong", what, remedy)
         return
-    above = np.mean([mesh.surrounds(point[None]) for point in points + PROBE * normals])
-    below = np.mean([mesh.surrounds(point[None]) for point in points - PROBE * normals])
+    above = mesh.surrounds(points + PROBE * normals).mean()
+    below = mesh.surrounds(points - PROBE * normals).mean()
     if above > 0.5 > below:
         yield Finding("wrong", f"{name}: the normal points into {pad.link}", "Turn the normal round")
     elif off.max() > OFF:

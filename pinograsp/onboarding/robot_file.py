@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..descriptions.robot import Attachment
+from ..descriptions.composition import Attachment
 from .draft import Draft, guessed_limits
 from .facets import Facet
 from .findings import in_words, number_of
@@ -92,7 +92,8 @@ def _hand(found: Draft) -> list[str]:
         )
     for joint in found.chain.hand:
         lines.append(f"    - joint: {joint}")
-        lines += [f"      # followed by {other.name}, {other.multiplier:+g}" for other in found.tree.followers(joint)]
+        followers = found.tree.followers(joint)
+        lines += [f"      # followed by {name}, {mimic.multiplier:+g}" for name, mimic in followers.items()]
         if joint in limits:
             lines.append(f"      limits: {list(limits[joint])}    # CHECK: a guess, the URDF has none")
     return lines

@@ -9,7 +9,7 @@ from ..collision.distances import CollisionModel
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import SceneDescription, TaskDescription, robot_for
-from ..descriptions.robot import SoftFinger
+from ..descriptions.hand import SoftFinger
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import RobotModel

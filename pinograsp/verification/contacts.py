@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
+from ..descriptions.hand import PadDescription
 from ..descriptions.regions import Region
-from ..descriptions.robot import PadDescription
 from .certificate import Figure
 from .kinematics import Poses
 from .patches import nearest_on_patch

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 from ..arrays import Array
-from ..descriptions.robot import PadDescription
+from ..descriptions.hand import PadDescription
 from ..descriptions.scene import TaskDescription
 from .claim import Claim
 from .forces import spin_force

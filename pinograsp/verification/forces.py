@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.robot import PadDescription, SoftFinger
+from ..descriptions.hand import PadDescription, SoftFinger
 from ..descriptions.scene import TaskDescription
 from .certificate import Figure
 from .claim import Claim

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..descriptions.robot import Composition
+from ..descriptions.composition import Composition
 from ..errors import InputError
 from .link_mesh import LinkMesh, kept
 

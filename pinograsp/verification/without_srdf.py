@@ -13,7 +13,8 @@ from itertools import islice
 
 import numpy as np
 
-from ..descriptions.robot import ArmDescription, HandDescription
+from ..descriptions.hand import HandDescription
+from ..descriptions.robot import ArmDescription
 from .clearance import LinkPair, Placed, mesh_distance
 from .joints import Limits
 from .kinematics import Kinematics

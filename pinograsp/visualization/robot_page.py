@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -10,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import RobotDescription
-from ..descriptions.urdf import read_urdf
+from ..descriptions.urdf import RobotUrdf
 from ..disk import write_whole
 from ..kinematics.forward import forward
 from ..kinematics.robot import RobotModel
@@ -72,7 +73,7 @@ def write_robot_html(robot: RobotModel, remarks: Sequence[Remark], file: Path) -
 def _draw(world: Visualizer, robot: RobotModel, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:
     """Draw robot, pads and wrist; return what moves with the joints, and the views of the page."""
     joints = dict(zip(robot.joint_names, robot.joint_positions(posture).tolist(), strict=True))
-    drawn = draw_urdf(world, shown(robot.description), robot.description, joints, np.eye(4))
+    drawn = draw_urdf(world, shown(robot.urdf.composed), robot.description, joints, np.eye(4))
     configuration = forward(robot, robot.model.createData(), posture)
     poses = [pose(R, p) for R, p in zip(configuration.rotations, configuration.translations, strict=True)]
     nodes: Nodes = {}
@@ -109,10 +110,10 @@ def pose(rotation: Array, translation: Array) -> Array:
     return T
 
 
-def shown(robot: RobotDescription) -> str:
+def shown(urdf: RobotUrdf) -> str:
     """Return the URDF with collision geometry where a link has no visual geometry, or where that is not found."""
-    urdf = read_urdf(robot)
-    for link in urdf.tree.findall("link"):
+    tree = copy.deepcopy(urdf.tree)
+    for link in tree.findall("link"):
         visuals = link.findall("visual")
         meshes = [Path(mesh.get("filename", "")) for mesh in link.iterfind("visual/geometry/mesh")]
         if visuals and all(mesh.is_file() for mesh in meshes):
@@ -121,7 +122,7 @@ def shown(robot: RobotDescription) -> str:
             link.remove(visual)
         for collision in link.findall("collision"):
             collision.tag = "visual"
-    return urdf.xml
+    return ET.tostring(tree, encoding="unicode")
 
 
 def _views(joints: Array, pads: Array, wrist: Array) -> dict[str, camera.View]:

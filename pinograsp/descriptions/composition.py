@@ -1,0 +1,93 @@
+"""What a robot file says of URDFs: which ones, what of them is taken, how they are put together, where they are."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import InputError
+from . import locate
+from .files import FileRoot, Format1, Frozen, Name
+from .pose import Pose
+
+
+class UrdfPart(Frozen):
+    """What is taken of one URDF: all, or what `root` carries, less what the links under `leave_out` carry."""
+
+    urdf: Name
+    srdf: str | None = None
+    root: Name | None = None
+    """Link with which it begins; the URDF's own root if not given."""
+    leave_out: tuple[Name, ...] = ()
+    """Links that are left out, with all that they carry."""
+
+
+class Attachment(UrdfPart, Pose):
+    """A further URDF, fixed to a link: a hand on an arm, an arm on a rail. The pose is that of its root in the link."""
+
+    to: Name
+    """Link of what is there so far."""
+    prefix: str = ""
+    """Put before every name of links and joints of this URDF."""
+
+
+class UrdfFiles(NamedTuple):
+    """Files on disk."""
+
+    urdf: Path
+    srdf: Path | None
+
+
+class Composition(FileRoot, UrdfPart):
+    """What a robot file says of URDFs: one, or several put together, and where they are."""
+
+    format: Format1
+    attach: tuple[Attachment, ...] = ()
+    packages: tuple[Path, ...] = ()
+    """Folders, besides those of the installed wheels, in which `package://` is looked up."""
+
+    @cached_property
+    def folders(self) -> list[Path]:
+        """Folders in which `package://` is looked up."""
+        return locate.package_folders(self.source, self.packages)
+
+    @cached_property
+    def urdf_file(self) -> Path:
+        """The URDF on disk."""
+        return self._resolve("urdf", self.urdf)
+
+    @cached_property
+    def srdf_file(self) -> Path | None:
+        """The SRDF on disk, if the file names one."""
+        return None if self.srdf is None else self._resolve("srdf", self.srdf)
+
+    @cached_property
+    def attached_files(self) -> tuple[UrdfFiles, ...]:
+        """The files of what is attached."""
+        return tuple(
+            UrdfFiles(
+                self._resolve(f"attach[{i}].urdf", part.urdf),
+                None if part.srdf is None else self._resolve(f"attach[{i}].srdf", part.srdf),
+            )
+            for i, part in enumerate(self.attach)
+        )
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """All files that the robot file names, by key."""
+        parts = [("", UrdfFiles(self.urdf_file, self.srdf_file))]
+        parts += [(f"attach[{i}].", files) for i, files in enumerate(self.attached_files)]
+        named = {f"{key}{role}": file for key, files in parts for role, file in files._asdict().items()}
+        return {key: file for key, file in named.items() if file is not None}
+
+    def _resolve(self, key: str, address: str) -> Path:
+        found = locate.resolve(address, beside=self.source, folders=self.folders)
+        if found is None:
+            raise InputError(
+                f"{address} was not found",
+                file=self.source,
+                key=key,
+                remedy="Looked in " + ", ".join(str(folder) for folder in self.folders),
+            )
+        return found

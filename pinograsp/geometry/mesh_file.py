@@ -1,0 +1,29 @@
+"""Triangles of mesh files (STL, DAE, OBJ)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from ..arrays import Array
+from ..errors import InputError
+
+
+def read_triangles(mesh: Path) -> Array:
+    """Return the triangles of a mesh file, placed as its scene places them, in metres, shape (n, 3, 3).
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    try:
+        whole = trimesh.load_scene(mesh).to_geometry()
+        return np.asarray(np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)])
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
+        raise unreadable(mesh, error) from None
+
+
+def unreadable(mesh: Path, error: Exception) -> InputError:
+    """Return the error about a mesh file that cannot be read."""
+    return InputError(f"the collision mesh cannot be read: {error}", file=mesh)
