@@ -17,7 +17,7 @@ import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
 from pinograsp import RobotModel, cli
-from pinograsp.descriptions import load_robot_description
+from pinograsp.descriptions import load_robot_description, urdf
 from pinograsp.onboarding import Report, check_robot
 from pinograsp.visualization.pads import surface
 from pinograsp.visualization.robot_page import write_robot_html
@@ -192,6 +192,17 @@ def test_pieces_that_stand_off_their_mesh(check: Check, tmp_path: Path) -> None:
     assert bracket.pieces == 1
     assert 0.015 < bracket.excess < bracket.most < 0.04
     assert not any("stand off its" in words for words in said(check(urdf), "doubtful"))
+
+
+def test_the_urdf_is_read_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """For the check and the page."""
+    read: list[str] = []
+    parse = urdf.parse
+    monkeypatch.setattr(urdf, "parse", lambda file, tag: (read.append(file.name), parse(file, tag))[1])
+    report = check_robot(load_robot_description(write_toy(tmp_path, {})))
+    assert report.robot is not None
+    write_robot_html(report.robot, [], tmp_path / "page.html")
+    assert read == ["toy.urdf"]
 
 
 # ---- the page

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import pinograsp
 from pinograsp import InputError, cli
 from pinograsp.database import build, sampling
-from pinograsp.descriptions import load_robot_description
+from pinograsp.descriptions import load_robot_description, urdf
 from pinograsp.kinematics.collision_elements import link_elements
 from pinograsp.onboarding import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.facets import facets_of
@@ -142,6 +142,24 @@ def test_an_arm_with_a_hand_of_its_own(run: Run, tmp_path: Path) -> None:
     assert [pad.link for pad in description.pads] == [
         f"g_robotiq_85_{side}_finger_tip_link" for side in ("left", "right")
     ]
+
+
+@pytest.mark.parametrize("to", [None, "tool0"])
+def test_every_urdf_is_composed_once(to: str | None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    arm = tmp_path / "arm.urdf"
+    arm.write_text(ARM_WITH_ONE_END)
+    read: list[str] = []
+    parse = urdf.parse
+    monkeypatch.setattr(urdf, "parse", lambda file, tag: (read.append(file.name), parse(file, tag))[1])
+    hand = HandMount(GEN3, to=to, root="robotiq_85_base_link")
+    _, found = new_robot_file(str(arm), tmp_path / "robot.yaml", hand=hand)
+    assert read == ["arm.urdf", "kinova_robotiq.urdf"]
+    assert (found.chain.arm, found.chain.hand) == (("turn",), ("robotiq_85_left_knuckle_joint",))
+    assert found.wrist == "tool0"
+
+
+ARM_WITH_ONE_END = """<robot name="arm"><link name="base"/><link name="tool0"/><joint name="turn" type="continuous">
+<parent link="base"/><child link="tool0"/><axis xyz="0 1 0"/></joint></robot>"""
 
 
 # ---- URDFs of our own
