@@ -32,7 +32,7 @@ DEFAULT_STARTS = 1304
 """The paper's number of starts."""
 NEAREST = 400
 """Starts that a search for single grasps tries at most."""
-QUICK = 60
+QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
