@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import gc
+import os
+import pickle
 import weakref
+from pathlib import Path
 
 import coal
 import numpy as np
 import pytest
-from conftest import Array, RobotFactory, SceneFactory, collision_model, differences
+import trimesh
+from conftest import TOY_URDF, Array, RobotFactory, SceneFactory, collision_model, differences
 
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
@@ -128,6 +132,25 @@ def test_solids_are_made_once_for_a_robot(gen3: RobotModel, glovebox: SceneDescr
     fewer = gen3.with_pads(("left", "right")[::-1])
     assert [pad.name for pad in fewer.description.pads] == ["right", "left"]
     assert all(a.solids is b.solids for a, b in zip(here, link_bodies(fewer), strict=True))
+
+
+def test_a_robot_that_travels_is_built_once_until_its_files_change(make_toy: RobotFactory, tmp_path: Path) -> None:
+    trimesh.creation.box((0.01, 0.02, 0.04)).export(tmp_path / "finger.stl")
+    box = '<geometry><box size="0.01 0.02 0.04"/></geometry>'
+    mesh = '<geometry><mesh filename="finger.stl"/></geometry>'
+    robot = make_toy(TOY_URDF.replace(box, mesh), meshes=(tmp_path / "finger.stl",))
+    mounted = robot.mounted(Pose(position=(0.1, 0.2, 0.3)).matrix)
+    first, second = (pickle.loads(pickle.dumps(mounted)) for _ in range(2))
+    assert first.unmounted is second.unmounted
+    link_bodies(first)  # as they are now
+    np.testing.assert_array_equal(first.T_world_root, mounted.T_world_root)
+    [file] = set(robot.urdf.meshes)
+    trimesh.creation.box((0.01, 0.02, 0.05)).export(file)
+    os.utime(file, ns=(0, 0))
+    changed = pickle.loads(pickle.dumps(mounted))
+    assert changed.unmounted is not first.unmounted
+    heights = [np.ptp(np.array(link_bodies(r)[2].solids[0].shape.points())[:, 2]) for r in (first, changed)]
+    np.testing.assert_allclose(heights, [0.04, 0.05], atol=1e-7)
 
 
 def test_what_is_remembered_goes_with_its_subject(make_toy: RobotFactory) -> None:

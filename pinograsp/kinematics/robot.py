@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,7 +111,9 @@ class RobotModel:
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
         content, pads = self.unmounted.description.model_dump_json(), tuple(pad.name for pad in self.description.pads)
-        return (_rebuilt, (content, digest(self.urdf.xml.encode()), pads, self.T_world_root))
+        meshes = [(file.stat().st_mtime_ns, file.stat().st_size) for file in map(Path, self.urdf.meshes)]
+        files = digest(f"{self.urdf.xml}{meshes}".encode())
+        return (_rebuilt, (content, files, pads, self.T_world_root))
 
     def mounted(self, T_world_root: Array) -> RobotModel:
         """Return the same robot with its root link at another pose, shape (4, 4)."""
@@ -265,15 +268,15 @@ def _mounted(model: Any, T_world_root: Array) -> Any:
 
 
 @lru_cache(maxsize=8)
-def _built(content: str, urdf: str) -> RobotModel:
-    """Return the robot of a robot file's content (JSON), built once a process for the digest of its URDF."""
-    del urdf
+def _built(content: str, files: str) -> RobotModel:
+    """Return the robot of a robot file's content (JSON), built once a process as long as its files stay the same."""
+    del files
     return RobotModel(RobotDescription.model_validate_json(content))
 
 
-def _rebuilt(content: str, urdf: str, pads: tuple[str, ...], T_world_root: Array) -> RobotModel:
+def _rebuilt(content: str, files: str, pads: tuple[str, ...], T_world_root: Array) -> RobotModel:
     """Return a pickled robot."""
-    return _built(content, urdf).with_pads(pads).mounted(T_world_root)
+    return _built(content, files).with_pads(pads).mounted(T_world_root)
 
 
 def _wrap(angle: float) -> float:
