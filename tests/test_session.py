@@ -121,6 +121,29 @@ def test_an_object_that_is_not_there_cannot_be_moved(planner: Planner) -> None:
         planner.move("spere", THERE)
 
 
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        (np.full((4, 4), np.nan), "pose: is no homogeneous transform"),
+        (np.zeros((4, 4)), "pose: is no homogeneous transform"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "pose: is no homogeneous transform"),
+        (np.zeros(3), r"pose: has shape \(3,\), not \(4, 4\)"),
+    ],
+    ids=["nan", "zeros", "mirror", "vector"],
+)
+def test_what_is_no_pose_moves_nothing(planner: Planner, pose: Any, message: str) -> None:
+    before = planner.scene
+    with pytest.raises(InputError, match=message):
+        planner.move("sphere", pose)
+    assert planner.scene == before
+
+
+@pytest.mark.parametrize("limits", [{"most": 0}, {"deadline": -1.0}, {"deadline": float("nan")}], ids=str)
+def test_limits_of_a_search_that_make_no_sense(planner: Planner, limits: Any) -> None:
+    with pytest.raises(InputError, match="must be at least"):
+        next(planner.grasps("sphere", **limits))
+
+
 def test_an_object_moved_through_a_wall_is_refused(planner: Planner) -> None:
     planner.move("sphere", Pose(position=(0.8, 0.0, 5.0)))
     with pytest.raises(InputError, match="outside the enclosure"):
@@ -181,6 +204,8 @@ def test_a_configuration_that_is_no_grasp_says_why(planner: Planner, grasp: pino
         (lambda q: {name: value for name, value in q.items() if name != "joint_2"}, "no value is given for 'joint_2'"),
         (lambda q: q | {"joint_2": float("nan")}, "not finite"),
         (lambda q: [0.0, 1.0], "8 values are wanted"),
+        (lambda q: q | {"joint_2": "half"}, "numbers are wanted"),
+        (lambda q: None, "wanted"),
     ],
 )
 def test_a_configuration_that_cannot_be_read(

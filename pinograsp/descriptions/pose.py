@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Array
+from ..errors import InputError
 from .files import Frozen, Vector3
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
@@ -21,15 +22,25 @@ class Pose(Frozen):
 
     @classmethod
     def of(cls, T: Array) -> Pose:
-        """Return the pose of a homogeneous transform, shape (4, 4)."""
-        R = np.asarray(T, dtype=np.float64)[:3, :3]
+        """Return the pose of a homogeneous transform, shape (4, 4).
+
+        Raises:
+            InputError: it is none.
+        """
+        matrix = np.asarray(T, dtype=np.float64)
+        if matrix.shape != (4, 4):
+            raise InputError(f"has shape {matrix.shape}, not (4, 4)", key="pose")
+        R = matrix[:3, :3]
+        rigid = np.allclose(R.T @ R, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0.0
+        if not (np.isfinite(matrix).all() and rigid and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0])):
+            raise InputError("is no homogeneous transform: a rotation and a translation are wanted", key="pose")
         across = math.hypot(R[0, 0], R[1, 0])
         pitch = math.atan2(-R[2, 0], across)
         if across > 1e-9:
             roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
         else:
             roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
-        x, y, z = (float(value) for value in np.asarray(T)[:3, 3])
+        x, y, z = matrix[:3, 3].tolist()
         return cls(position=(x, y, z), rpy=(roll, pitch, yaw))
 
     @cached_property

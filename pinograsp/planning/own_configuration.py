@@ -58,6 +58,13 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
 
 def _posture(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:
     """Return the posture (q_a, sigma), shape (l + s,), and the joints that were given by name."""
+    try:
+        return _numbers(robot, q)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"numbers are wanted: {error}", key="q") from None
+
+
+def _numbers(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:
     names = robot.posture_names
     if isinstance(q, Mapping):
         known = [*names, *robot.joint_names]

@@ -154,8 +154,10 @@ class Planner:
             deadline: seconds from the first call of `next`.
 
         Raises:
-            InputError: as `plan`.
+            InputError: as `plan`; at the first call of `next`.
         """
+        _at_least("most", 1 if most is None else most, 1)
+        _at_least("deadline", 0.0 if deadline is None else deadline, 0.0)
         began = time.perf_counter()
         model = self._model(task)
         check_task(model)
@@ -185,7 +187,7 @@ class Planner:
             pose: of the object in the world; as an array: homogeneous, shape (4, 4).
 
         Raises:
-            InputError: there is no such object.
+            InputError: there is no such object, or the array is no pose.
         """
         there = pose if isinstance(pose, Pose) else Pose.of(pose)
         self.scene = self.scene.with_object_pose(name, there)
@@ -243,8 +245,8 @@ def _indices(robot: RobotModel) -> dict[tuple[str, str | None], StartIndex]:
     return {}
 
 
-def _at_least(name: str, number: int, least: int) -> None:
-    if number < least:
+def _at_least(name: str, number: float, least: float) -> None:
+    if not number >= least:  # nor not a number
         raise InputError(f"must be at least {least}, not {number}", key=name)
 
 
