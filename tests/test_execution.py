@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import threading
 import time
@@ -26,6 +25,7 @@ from pinograsp.execution.packed import KEPT
 from pinograsp.planning import plan
 from pinograsp.planning.attempt import Attempt, attempts_of
 from pinograsp.problem import TaskModel
+from pinograsp.results.encoding import encode_grasp
 from pinograsp.solve import LocalSolver
 
 ITEMS = list(range(40))
@@ -260,7 +260,11 @@ def test_a_start_that_kills_its_worker_is_told_and_no_other_is_lost(
 def content(attempts: Iterator[Attempt]) -> list[tuple[Any, ...]]:
     """Everything that attempts came to except times."""
     ordered = sorted(attempts, key=lambda attempt: attempt.solution.start)
-    return [(s.outcome, s.x.tobytes(), s.evaluations, pickle.dumps(a.grasp)) for a in ordered for s in (a.solution,)]
+    return [
+        (s.outcome, s.x.tobytes(), s.evaluations, None if a.grasp is None else encode_grasp(a.grasp))
+        for a in ordered
+        for s in (a.solution,)
+    ]
 
 
 def test_dask_workers_give_the_same_bytes_when_one_is_killed(
