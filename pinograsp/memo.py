@@ -9,30 +9,30 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable
 from functools import update_wrapper
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import TypeVar, TypeVarTuple
 
 Subject = TypeVar("Subject")
-Rest = ParamSpec("Rest")
+Rest = TypeVarTuple("Rest")
 Value = TypeVar("Value")
 
 
 def remembered(
-    function: Callable[Concatenate[Subject, Rest], Value],
-) -> Callable[Concatenate[Subject, Rest], Value]:
+    function: Callable[[Subject, *Rest], Value],
+) -> Callable[[Subject, *Rest], Value]:
     """Keep the values of a function for each object that is its first argument, by identity, while that object lives.
 
     Further arguments must be hashable and positional.
     """
     kept: dict[int, dict[tuple[object, ...], Value]] = {}
 
-    def wrapper(subject: Subject, /, *rest: Rest.args, **named: Rest.kwargs) -> Value:
+    def wrapper(subject: Subject, /, *rest: *Rest) -> Value:
         number = id(subject)
         if number not in kept:
             kept[number] = {}
             weakref.finalize(subject, kept.pop, number, None)
         values = kept[number]
         if rest not in values:
-            values[rest] = function(subject, *rest, **named)
+            values[rest] = function(subject, *rest)
         return values[rest]
 
     update_wrapper(wrapper, function)

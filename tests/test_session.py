@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -64,6 +66,27 @@ def test_workers_stay_warm_from_plan_to_plan(gen3: RobotModel, glovebox: SceneDe
         assert set(planner._workers._pool._processes) == pids  # type: ignore[attr-defined]
     assert found(moved) != found(first)
     assert found(moved) == found(plan(gen3, glovebox.with_object_pose("sphere", THERE), "sphere", starts=16, workers=1))
+
+
+def test_a_worker_killed_between_two_plans_is_replaced(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    with Planner(gen3, glovebox, workers=2) as planner:
+        first = planner.plan("sphere", starts=10)
+        for pid in list(planner._workers._pool._processes):  # type: ignore[attr-defined]
+            os.kill(pid, signal.SIGKILL)
+        assert found(planner.plan("sphere", starts=10)) == found(first)
+
+
+def test_a_wrong_database_is_refused_every_time(
+    gen3: RobotModel, paper: RobotModel, glovebox: SceneDescription, tmp_path: Path
+) -> None:
+    file = tmp_path / "other.duckdb"
+    pinograsp.build_database(paper, glovebox, file, size=50, workers=1).close()
+    with Planner(gen3, glovebox, database=file, workers=1) as planner:
+        for _ in range(2):
+            with pytest.raises(InputError, match="was made for another robot"):
+                planner.plan("sphere", starts=1)
+            with pytest.raises(InputError, match="was made for another robot"):
+                next(planner.grasps("sphere"))
 
 
 def test_workers_and_an_executor_are_one_too_many(gen3: RobotModel, glovebox: SceneDescription) -> None:

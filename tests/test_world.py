@@ -73,9 +73,11 @@ def test_moving_leaves_the_model_that_it_began_with(toy: RobotModel, world: Worl
     np.testing.assert_array_equal(model.distances(at(toy)).values, before)
 
 
-def test_a_body_that_is_not_there_cannot_be_moved(world: World) -> None:
+def test_a_body_that_is_not_there_cannot_be_moved(toy: RobotModel, world: World) -> None:
     with pytest.raises(KeyError):
         world.moved(BodyKey("obstacle", "ball"), IDENTITY)
+    with pytest.raises(KeyError):
+        CollisionModel(toy, world).moved(BodyKey("obstacle", "ball"), IDENTITY)
 
 
 def test_a_wall_that_is_moved_has_the_distance_of_one_built_there(

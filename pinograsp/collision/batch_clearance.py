@@ -66,7 +66,7 @@ class _Whole(_Placed):
 
 
 class BatchClearance:
-    """Tests arm configurations in a world without an object, the hand held still."""
+    """Tests arm configurations in a world of walls and obstacles, the hand still; what is held does not count."""
 
     def __init__(self, robot: RobotModel, world: World, synergies: Array) -> None:
         self.kinematics = BatchKinematics(robot, synergies)

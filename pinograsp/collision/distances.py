@@ -78,7 +78,15 @@ class CollisionModel:
         self._queries: list[Any] = [None] * len(self.pairs)
 
     def moved(self, key: BodyKey, pose: Array) -> CollisionModel:
-        """Return the model with one body at another pose in its parent's frame, shape (4, 4); nothing is rebuilt."""
+        """Return the model with one body at another pose in its parent's frame, shape (4, 4); nothing is rebuilt.
+
+        Both share what Coal reads and writes at a measurement: they are for one thread.
+
+        Raises:
+            KeyError: there is no such body.
+        """
+        if key not in self._owners:
+            raise KeyError(key)
         model = copy.copy(self)
         model.placements = self.placements.copy()
         for number, owner in enumerate(self._owners):

@@ -39,9 +39,9 @@ def task_world(robot: RobotModel, scene: SceneDescription, task: TaskDescription
     """
     obstacles = [scene_body("obstacle", name, body) for name, body in scene.bodies_besides(task).items()]
     target = scene_body("target", task.object, scene.objects[task.object])
-    around = task.margin.enclosure + SLACK
+    around, own = task.margin.enclosure + SLACK, task.margin.robot + SLACK
     return World(
         bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles, target),
-        margins={"wall": around, "obstacle": around, "target": 0.0, "link": task.margin.robot + SLACK},
+        margins={"wall": around, "obstacle": around, "target": 0.0, "link": own, "held": own},
         allowed=allowed_pairs(robot, task.margin.robot),
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..descriptions import SceneDescription
 from ..descriptions.scene import Margins
 from ..disk import cache_folder
+from ..errors import InputError
 from ..kinematics.robot import RobotModel
 from .build import BuildProgress, build_database
 from .identity import Identity
@@ -43,8 +44,13 @@ def _complete(file: Path, identity: Identity) -> Database | None:
     if not file.is_file():
         return None
     database = Database.open(file)
-    database.require(identity)
-    if database.metadata()["layout"] == "sorted":
+    try:
+        database.require(identity)
+        complete = database.metadata()["layout"] == "sorted"
+    except InputError:
+        database.close()
+        raise
+    if complete:
         return database
     database.close()
     return None

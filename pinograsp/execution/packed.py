@@ -73,6 +73,8 @@ def run_chunk(packed: Packed[Callable[[Any], Any]], items: Sequence[Any], attemp
         handle = packed.built()
         outcomes.extend(map(handle, items))
         return pickle.dumps((outcomes, None))
+    except MemoryError:  # the worker's trouble, not the handler's: its items are repeated elsewhere
+        raise
     except Exception as error:
         error.add_note(f"In a worker:\n{traceback.format_exc()}")
         return pickle.dumps((outcomes, error))

@@ -40,7 +40,7 @@ class Workers(Protocol):
 
         Args:
             prepare: builds the handler of items; picklable (a `functools.partial` of a function of the package). Where
-                the same was run before, its handler is still there.
+                a process of ours has run the same before, its handler is still there.
             items: picklable pieces of work.
             chunk: items that a worker takes at a time.
             lost: makes an outcome of an item whose worker died, of the item when it was repeated alone, and of the
@@ -143,7 +143,11 @@ class Processes(_Distributing):
         self._pool: ProcessPoolExecutor | None = None
 
     def begin(self) -> None:
-        self._begun().submit(os.getpid).result()
+        try:
+            self._begun().submit(os.getpid).result()
+        except BrokenProcessPool:  # one of them died since the last run
+            self._end()
+            self._begun().submit(os.getpid).result()
 
     def _submit(self, packed: Packed[Any], items: Sequence[Any], attempt: int) -> Future[bytes]:
         try:

@@ -1,4 +1,4 @@
-r"""Lower bounds of V*, whatever the grasp.
+r"""Lower bounds of V*, whatever the grasp; to rounding.
 
 **Any hand.** Each contact's share of V is least where its force F points along its normal: then sigma_f, which grows
 with the angle between both, and sigma_m are least for a given norm(F). So V* is at least n times the least share over

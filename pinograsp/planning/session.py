@@ -215,10 +215,11 @@ class Planner:
     def _index(self, model: TaskModel) -> StartIndex:
         """Return the starts in memory: for every scene with one enclosure and for tasks with one margin the same."""
         indices, margins = _indices(self.robot.unmounted), model.task.margin
-        given = self._given.file if isinstance(self._given, Database) else self._given
-        key = (Identity.of(self.robot, self.scene, margins).digest, None if given is None else str(given))
+        database = self._database(margins)
+        stat = database.file.stat()
+        key = (database.identity.digest, str(database.file.resolve()), stat.st_mtime_ns, stat.st_size)
         if key not in indices:
-            indices[key] = StartIndex(self._database(margins), model.robot)
+            indices[key] = StartIndex(database, self.robot.mounted(self.scene.mounting.matrix))
         return indices[key]
 
     def _database(self, margins: Margins) -> Database:
@@ -233,14 +234,18 @@ class Planner:
                 opened = cached_database(self.robot, self.scene, margins, workers=self._count, progress=progress)
             else:
                 opened = Database.open(self._given)
+            try:
+                opened.require(identity)
+            except InputError:
+                opened.close()
+                raise
             self._opened[identity.digest] = opened
-            opened.require(identity)
         return self._opened[identity.digest]
 
 
 @remembered
-def _indices(robot: RobotModel) -> dict[tuple[str, str | None], StartIndex]:
-    """Return the place where the indices of a robot are kept, by identity and file of their database."""
+def _indices(robot: RobotModel) -> dict[tuple[str, str, int, int], StartIndex]:
+    """Return the place where the indices of a robot are kept, by identity and file of their database, as it is now."""
     del robot
     return {}
 
