@@ -442,7 +442,7 @@ def test_another_composition_is_another_robot(
 
     def identity(file: Path) -> tuple[Identity, dict[str, str]]:
         robot = load_robot(file)
-        return Identity.of(robot, scene, Margins()), provenance(robot.description, scene)["sha256"]
+        return Identity.of(robot, scene, Margins()), provenance(robot.description, scene, robot.files)["sha256"]
 
     before, hashes = identity(write())
     assert identity(write()) == (before, hashes)
@@ -460,7 +460,9 @@ def test_another_attached_file_is_another_robot(write: Write, make_toy_scene: An
     scene, found = make_toy_scene(), []
     for text in (HAND_URDF, HAND_URDF.replace('xyz="0.02 0 0.1"', 'xyz="0.02 0 0.11"')):
         robot = load_robot(write({"hand": text}))
-        found.append((Identity.of(robot, scene, Margins()), provenance(robot.description, scene)["sha256"]))
+        found.append(
+            (Identity.of(robot, scene, Margins()), provenance(robot.description, scene, robot.files)["sha256"])
+        )
     (before, hashes), (after, other) = found
     assert {key for key in hashes if hashes[key] != other[key]} == {"attach[1].urdf"}
     [difference] = before.differences(after)

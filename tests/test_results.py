@@ -334,7 +334,7 @@ def test_hashes_are_those_of_the_files(result: Result, gen3: RobotModel, glovebo
 
 
 def test_hashes_of_a_composed_robot(paper: RobotModel, glovebox: SceneDescription) -> None:
-    recorded = provenance(paper.description, glovebox)["sha256"]
+    recorded = provenance(paper.description, glovebox, paper.files)["sha256"]
     folder = paper.description.source.parent
     assert set(recorded) == {"robot", "scene", "urdf", "srdf", "attach[0].urdf", "attach[0].srdf", "meshes"}
     for kind in ("urdf", "srdf"):

@@ -17,6 +17,8 @@ import pytest
 
 from pinograsp import Difference, Result, RobotModel, Setup, cli, plan, read_json, verify, write_json
 from pinograsp.descriptions import SceneDescription, load_robot_description
+from pinograsp.descriptions.robot_files import hashes_of
+from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.mechanics import ContactModels, ForceLimits
 from pinograsp.mechanics.barrier import barrier
 from pinograsp.results import provenance, reverify
@@ -342,7 +344,7 @@ def elsewhere(result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     robot = load_robot_description("robot.yaml")
     assert not robot.source.is_absolute()
     setup = Setup(robot, result.setup.scene, result.setup.task)
-    hashes = provenance(robot, setup.scene)
+    hashes = provenance(robot, setup.scene, hashes_of(robot, read_urdf(robot)))
     write_json(dataclasses.replace(result, setup=setup, provenance=hashes), home / "result.json")
     monkeypatch.chdir(tmp_path)
     return home

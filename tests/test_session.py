@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import time
 from collections.abc import Iterator
@@ -13,9 +14,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
+from conftest import TOY_URDF, RobotFactory, SceneFactory
 
 import pinograsp
 from pinograsp import InputError, Planner, plan
+from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.pose import Pose
 from pinograsp.kinematics.forward import forward
@@ -236,6 +240,75 @@ def test_a_configuration_that_cannot_be_read(
 ) -> None:
     with pytest.raises(InputError, match=message):
         planner.check(change(dict(grasp.joints)), "sphere")
+
+
+# ---- files that change
+
+
+SRDF = '<robot name="toy"><disable_collisions link1="{}" link2="{}" reason="Adjacent"/></robot>'
+
+
+def on_disk(robot: RobotModel, key: str) -> Path:
+    return robot.description.files[key]
+
+
+def test_an_executor_that_lives_on_sees_what_changed(
+    make_toy: RobotFactory, make_toy_scene: SceneFactory, tmp_path: Path
+) -> None:
+    """An SRDF, and a mesh of the same size and time."""
+    (tmp_path / "toy.srdf").write_text(SRDF.format("arm", "left"))
+    trimesh.creation.box((0.04, 0.04, 0.16)).export(tmp_path / "arm.stl")
+    box, mesh = '<box size="0.04 0.04 0.16"/>', '<mesh filename="arm.stl"/>'
+    files = (tmp_path / "toy.srdf", tmp_path / "arm.stl")
+    robot, scene = make_toy(TOY_URDF.replace(box, mesh), meshes=files, srdf="toy.srdf"), make_toy_scene()
+    with ProcessPoolExecutor(1, mp_context=get_context("fork")) as executor:
+
+        def pairs(robot: RobotModel) -> tuple[Any, Any]:
+            return executor.submit(seen, pickle.dumps(robot.mounted(scene.mounting.matrix))).result()
+
+        first = pairs(robot)
+        on_disk(robot, "srdf").write_text(SRDF.format("arm", "right"))
+        second = pairs(pinograsp.load_robot(robot.description.source))
+        assert first[0] != second[0]
+        stl = Path(robot.urdf.meshes[0])
+        stat = stl.stat()
+        trimesh.creation.box((0.04, 0.04, 0.20)).export(stl)
+        os.utime(stl, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+        assert stl.stat().st_size == stat.st_size
+        third = pairs(pinograsp.load_robot(robot.description.source))
+        assert third[1] == pytest.approx(second[1] + 0.04, abs=1e-7)
+
+
+def seen(pickled: bytes) -> tuple[Any, float]:
+    """Return, in a worker, the pairs of an SRDF that a robot has there, and the height of its arm's mesh."""
+    robot = pickle.loads(pickled)
+    [arm] = [body for body in link_bodies(robot) if body.name == "arm"]
+    return robot.urdf.disabled_pairs, float(np.ptp(np.array(arm.solids[0].shape.points())[:, 2]))
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_robot_whose_files_changed_since_it_was_loaded_is_refused(
+    make_toy: RobotFactory, make_toy_scene: SceneFactory, workers: int
+) -> None:
+    robot, scene = make_toy(), make_toy_scene()
+    urdf = on_disk(robot, "urdf")
+    urdf.write_text(urdf.read_text().replace('xyz="0 0 0.2"', 'xyz="0 0 0.19"'))
+    with pytest.raises(InputError, match=r"urdf changed since the robot was loaded\. Load it again"):
+        plan(robot, scene, "ball", starts=3, workers=workers)
+
+
+def test_a_robot_that_was_read_stays_as_it_was_or_is_refused(
+    make_toy: RobotFactory, make_toy_scene: SceneFactory
+) -> None:
+    robot, scene = make_toy(), make_toy_scene()
+    before = plan(robot, scene, "ball", starts=5, workers=1)
+    urdf = on_disk(robot, "urdf")
+    urdf.write_text(urdf.read_text().replace('xyz="0 0 0.2"', 'xyz="0 0 0.19"'))
+    again = plan(robot, scene, "ball", starts=5, workers=1)
+    assert found(again) == found(before)
+    assert again.provenance["sha256"] == before.provenance["sha256"]
+    with pytest.raises(InputError, match="urdf changed since the robot was loaded"):
+        plan(robot, scene, "ball", starts=5, workers=2)
 
 
 # ---- the bound

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import os
 import pickle
 import weakref
 from pathlib import Path
@@ -20,8 +19,9 @@ from pinograsp.collision.solids import bounded, link_bodies
 from pinograsp.collision.world import IDENTITY, Body, BodyKey, Whole, World
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.pose import Pose
+from pinograsp.errors import InputError
 from pinograsp.kinematics.forward import Configuration, forward
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import RobotModel, _built
 from pinograsp.memo import remembered
 
 POSTURE = np.array([0.2, 0.03])
@@ -148,9 +148,14 @@ def test_a_robot_that_travels_is_built_once_until_its_files_change(make_toy: Rob
     np.testing.assert_array_equal(first.T_world_root, mounted.T_world_root)
     [file] = set(robot.urdf.meshes)
     trimesh.creation.box((0.01, 0.02, 0.05)).export(file)
-    os.utime(file, ns=(0, 0))
-    changed = pickle.loads(pickle.dumps(mounted))
+    changed = pickle.loads(pickle.dumps(RobotModel(robot.description).mounted(mounted.T_world_root)))
     assert changed.unmounted is not first.unmounted
+    link_bodies(changed)
+    on_its_way = pickle.dumps(changed.unmounted)
+    trimesh.creation.box((0.01, 0.02, 0.06)).export(file)
+    _built.cache_clear()  # as in another process
+    with pytest.raises(InputError, match="meshes changed since the robot was loaded"):
+        pickle.loads(on_its_way)
     heights = [np.ptp(np.array(link_bodies(r)[2].solids[0].shape.points())[:, 2]) for r in (first, changed)]
     np.testing.assert_allclose(heights, [0.04, 0.05], atol=1e-7)
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,8 +24,8 @@ from ..arrays import Array, Indices
 from ..descriptions import RobotDescription
 from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
+from ..descriptions.robot_files import hashes_of, require_same
 from ..descriptions.urdf import Mimic
-from ..disk import digest
 from ..errors import InputError
 from ..geometry.patches import patch_point
 from . import urdf
@@ -80,6 +79,8 @@ class RobotModel:
         self.description = description
         self.T_world_root: Array = np.eye(4)
         self.urdf = urdf.prepare(description)
+        self.files = hashes_of(description, self.urdf.composed)
+        """SHA-256 of URDFs, SRDFs and meshes when the robot was loaded."""
         check_names(description, self.urdf)
         self.model: Any = pin.buildModelFromXML(self.urdf.xml)
         self.joint_names: tuple[str, ...] = tuple(self.model.names)[1:]
@@ -111,9 +112,7 @@ class RobotModel:
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
         content, pads = self.unmounted.description.model_dump_json(), tuple(pad.name for pad in self.description.pads)
-        meshes = [(file.stat().st_mtime_ns, file.stat().st_size) for file in map(Path, self.urdf.meshes)]
-        files = digest(f"{self.urdf.xml}{meshes}".encode())
-        return (_rebuilt, (content, files, pads, self.T_world_root))
+        return (_rebuilt, (content, tuple(sorted(self.files.items())), pads, self.T_world_root))
 
     def mounted(self, T_world_root: Array) -> RobotModel:
         """Return the same robot with its root link at another pose, shape (4, 4)."""
@@ -268,13 +267,20 @@ def _mounted(model: Any, T_world_root: Array) -> Any:
 
 
 @lru_cache(maxsize=8)
-def _built(content: str, files: str) -> RobotModel:
-    """Return the robot of a robot file's content (JSON), built once a process as long as its files stay the same."""
-    del files
-    return RobotModel(RobotDescription.model_validate_json(content))
+def _built(content: str, files: tuple[tuple[str, str], ...]) -> RobotModel:
+    """Return the robot of a robot file's content (JSON), built once a process for each content of its files.
+
+    Raises:
+        InputError: the files here are not those that the robot was loaded from.
+    """
+    robot = RobotModel(RobotDescription.model_validate_json(content))
+    require_same(robot.description, dict(files), robot.files)
+    return robot
 
 
-def _rebuilt(content: str, files: str, pads: tuple[str, ...], T_world_root: Array) -> RobotModel:
+def _rebuilt(
+    content: str, files: tuple[tuple[str, str], ...], pads: tuple[str, ...], T_world_root: Array
+) -> RobotModel:
     """Return a pickled robot."""
     return _built(content, files).with_pads(pads).mounted(T_world_root)
 

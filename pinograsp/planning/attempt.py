@@ -8,10 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ..arrays import Array
+from ..descriptions.robot_files import hashes_of, require_same
+from ..kinematics.robot import RobotModel
+from ..memo import remembered
 from ..problem import State, TaskModel
 from ..results import Grasp, claim_of, grasp_of
 from ..solve import Solution
 from ..verification import Certificate, Verifier
+from ..verification.robot import read_robot
 
 
 class Solver(Protocol):
@@ -63,6 +67,19 @@ def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> C
     """Build, in a worker, what handles starts: number and posture (q_a, sigma) of shape (l + s,)."""
     solver, verifier = solver_of(model), verifier_of(model)
     return lambda item: attempt(solver, verifier, *item)
+
+
+@remembered
+def require_consistent(robot: RobotModel) -> None:
+    """Refuse an unmounted robot whose files have changed since it was loaded; have the verification read them too.
+
+    From then on solver and verification keep what they have read.
+
+    Raises:
+        InputError: a file has changed, or the verification cannot read it.
+    """
+    require_same(robot.description, robot.files, hashes_of(robot.description, robot.urdf.composed))
+    read_robot(robot.description)
 
 
 def verifier_of(model: TaskModel) -> Verifier:

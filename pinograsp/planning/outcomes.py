@@ -9,6 +9,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from ..descriptions.robot_files import Hashes
 from ..results import Blocked, Result, Setup, merge, provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
@@ -30,6 +31,8 @@ class Run:
     """A run on its way: filled as the starts are tried."""
 
     setup: Setup
+    files: Hashes
+    """Of the robot when it was loaded."""
     starts: int
     warnings: Sequence[str] = ()
     attempts: list[Attempt] = field(default_factory=list)
@@ -60,7 +63,7 @@ class Run:
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
-            provenance=provenance(self.setup.robot, self.setup.scene) | self.facts,
+            provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
 
 

@@ -23,7 +23,7 @@ from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
 from ..results import Grasp, Result, Setup
 from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
-from .attempt import attempt, attempts_of, lost_attempt, verifier_of
+from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
 from .bound import least_U
 from .outcomes import Progress, Run
 from .own_configuration import Configuration, ConfigurationCheck, checked
@@ -118,7 +118,7 @@ class Planner:
         _at_least("seed", seed, 0)
         began = time.perf_counter()
         model = self._model(task)
-        run = Run(Setup(self.robot.description, self.scene, task), starts, check_task(model))
+        run = Run(Setup(self.robot.description, self.scene, task), self.robot.files, starts, check_task(model))
         run.facts = {"seed": seed, "options": self._options.to_json()}
         _evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -209,6 +209,7 @@ class Planner:
 
     def _model(self, task: str) -> TaskModel:
         if task not in self._models:
+            require_consistent(self.robot.unmounted)
             self._models[task] = TaskModel(self.robot, self.scene, task)
         return self._models[task]
 

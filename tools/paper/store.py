@@ -27,7 +27,7 @@ Key = dict[str, Any]
 
 def key_of(robot: pinograsp.RobotModel, scene: SceneDescription, task: str, **more: object) -> Key:
     """Return what a computation with a robot at a task depends on, as JSON gives it back (infinities as text)."""
-    digests = provenance(robot.description, scene)["sha256"]
+    digests = provenance(robot.description, scene, robot.files)["sha256"]
     weight = scene.task(task).force_weight
     text = json.dumps({"sha256": digests, "task": task, "force_weight": weight, **more})
     key: Key = json.loads(text, parse_constant=str)
