@@ -432,6 +432,9 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
         ("{", "is not valid JSON"),
         (json.dumps(data | {"format_version": 1}), "format_version: format version 1 cannot be read"),
         (json.dumps(data | {"setup": 3}), "is damaged"),
+        (json.dumps(data | {"provenance": []}), "is damaged"),
+        (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "is damaged"),
+        (json.dumps(data | {"reliable": -1}), "is damaged"),
     ):
         if content is not None:
             file.write_text(content)

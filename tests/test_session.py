@@ -18,7 +18,7 @@ import trimesh
 from conftest import TOY_URDF, RobotFactory, SceneFactory
 
 import pinograsp
-from pinograsp import InputError, Planner, plan
+from pinograsp import InputError, Planner, plan, problem
 from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import SceneDescription
 from pinograsp.descriptions.pose import Pose
@@ -240,6 +240,51 @@ def test_a_configuration_that_cannot_be_read(
 ) -> None:
     with pytest.raises(InputError, match=message):
         planner.check(change(dict(grasp.joints)), "sphere")
+
+
+def test_joints_of_a_hand_with_named_synergies_are_a_configuration() -> None:
+    """The synergies follow from the joints; joints that keep to none are refused by the certificate."""
+    robot, scene = pinograsp.load_robot("xarm7_allegro"), pinograsp.load_scene("allegro_ceiling")
+    joints = robot.joints_by_name(0.5 * (robot.lower + robot.upper))
+    with Planner(robot, scene, workers=1) as planner:
+        assert planner.check(joints, "sphere").certificate["synergies"].holds
+        moved = robot.joint_names[robot.hand_joints[0]]
+        assert not planner.check(joints | {moved: joints[moved] + 0.01}, "sphere").certificate["synergies"].holds
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"starts": 1.5}, "starts: must be a whole number, not 1.5"),
+        ({"starts": "3"}, "starts: must be a whole number, not '3'"),
+        ({"seed": float("inf")}, "seed: must be a whole number, not inf"),
+        ({"workers": 1.5}, r"workers: must be a whole number, not 1\.5"),
+        ({"executor": 42}, "executor: is no concurrent.futures.Executor"),
+    ],
+    ids=str,
+)
+def test_numbers_that_make_no_sense(gen3: RobotModel, glovebox: SceneDescription, change: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        plan(gen3, glovebox, "sphere", **change)
+
+
+def test_numbers_of_numpy_will_do(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    of_numpy = plan(gen3, glovebox, "sphere", starts=np.int64(2), seed=np.int64(3), workers=1)  # type: ignore[arg-type]
+    assert found(of_numpy) == found(plan(gen3, glovebox, "sphere", starts=2, seed=3, workers=1))
+
+
+def test_a_registered_constraint_reaches_the_plan(gen3: RobotModel, glovebox: SceneDescription) -> None:
+    asked = []
+
+    def nothing(model: TaskModel) -> None:
+        asked.append(model.task_name)
+
+    problem.CONSTRAINTS.append(nothing)
+    try:
+        plan(gen3, glovebox, "sphere", starts=1, workers=1)
+    finally:
+        problem.CONSTRAINTS.remove(nothing)
+    assert "sphere" in asked
 
 
 # ---- files that change

@@ -71,10 +71,11 @@ def _numbers(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, floa
         for name in q:
             if name not in known:
                 raise InputError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
-        if missing := [name for name in names if name not in q]:
-            raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
-        posture = np.array([float(q[name]) for name in names])
         given = {name: float(value) for name, value in q.items() if name in robot.joint_names}
+        values = _synergies(robot, given) | {name: float(value) for name, value in q.items()}
+        if missing := [name for name in names if name not in values]:
+            raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
+        posture = np.array([values[name] for name in names])
     else:
         posture, given = np.asarray(q, dtype=float), {}
         if posture.shape != (len(names),):
@@ -83,6 +84,18 @@ def _numbers(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, floa
     if not np.isfinite([*posture, *given.values()]).all():
         raise InputError("a value is not finite", key="q")
     return posture, given
+
+
+def _synergies(robot: RobotModel, joints: Mapping[str, float]) -> dict[str, float]:
+    """Return the synergies that come nearest to the angles of the hand's joints; nothing if some are not given."""
+    names = [robot.joint_names[joint] for joint in robot.hand_joints]
+    if not all(name in joints for name in names):
+        return {}
+    moved = np.array([joints[name] for name in names]) - robot.q_0[robot.hand_joints]
+    if not np.isfinite(moved).all():
+        return {}
+    sigma = np.linalg.lstsq(robot.synergies, moved, rcond=None)[0]
+    return dict(zip(robot.posture_names[robot.arm_size :], sigma.tolist(), strict=True))
 
 
 def _touching(model: TaskModel, posture: Array) -> State:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -66,7 +67,10 @@ class Planner:
         options: SolverOptions | None = None,
         build_progress: Callable[[BuildProgress], None] | None = None,
     ) -> None:
-        _at_least("workers", 1 if workers is None else workers, 1)
+        if workers is not None:
+            _whole("workers", workers, 1)
+        if executor is not None and not isinstance(executor, Executor):
+            raise InputError("is no concurrent.futures.Executor", key="executor")
         if executor is not None and workers is not None:
             raise InputError("is given with an executor", key="workers", remedy="Give one of them")
         self.robot = robot
@@ -114,8 +118,7 @@ class Planner:
             InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
                 another robot, enclosure or margin, or a number is out of range.
         """
-        _at_least("starts", starts, 1)
-        _at_least("seed", seed, 0)
+        starts, seed = _whole("starts", starts, 1), _whole("seed", seed, 0)
         began = time.perf_counter()
         model = self._model(task)
         run = Run(Setup(self.robot.description, self.scene, task), self.robot.files, starts, check_task(model))
@@ -156,8 +159,10 @@ class Planner:
         Raises:
             InputError: as `plan`; at the first call of `next`.
         """
-        _at_least("most", 1 if most is None else most, 1)
-        _at_least("deadline", 0.0 if deadline is None else deadline, 0.0)
+        if most is not None:
+            _whole("most", most, 1)
+        if deadline is not None and not deadline >= 0.0:  # nor not a number
+            raise InputError(f"must be at least 0, not {deadline}", key="deadline")
         began = time.perf_counter()
         model = self._model(task)
         check_task(model)
@@ -251,9 +256,15 @@ def _indices(robot: RobotModel) -> dict[tuple[str, str, int, int], StartIndex]:
     return {}
 
 
-def _at_least(name: str, number: float, least: float) -> None:
-    if not number >= least:  # nor not a number
-        raise InputError(f"must be at least {least}, not {number}", key=name)
+def _whole(name: str, number: int, least: int) -> int:
+    """Return a whole number, NumPy's too, or refuse what is none or too small."""
+    try:
+        whole = operator.index(number)
+    except TypeError:
+        raise InputError(f"must be a whole number, not {number!r}", key=name) from None
+    if whole < least:
+        raise InputError(f"must be at least {least}, not {whole}", key=name)
+    return whole
 
 
 def _evaluate_once(model: TaskModel) -> None:

@@ -16,6 +16,8 @@ from .grasp import Blocked, Contact, Cost, Grasp, Result
 from .setup import Setup
 
 Description = TypeVar("Description", bound=FileRoot)
+MOST = 2**53
+"""Counts from here on are those of no run."""
 
 
 def decode(data: dict[str, Any]) -> Result:
@@ -27,16 +29,31 @@ def decode(data: dict[str, Any]) -> Result:
     return Result(
         setup=_setup(data["setup"]),
         grasps=tuple(_grasp(grasp) for grasp in data["grasps"]),
-        starts=int(data["starts"]),
-        counts={outcome: int(count) for outcome, count in data["counts"].items()},
-        reliable=int(data["reliable"]),
-        refuted=int(data["refuted"]),
+        starts=_count(data["starts"], "starts"),
+        counts={outcome: _count(count, outcome) for outcome, count in data["counts"].items()},
+        reliable=_count(data["reliable"], "reliable"),
+        refuted=_count(data["refuted"], "refuted"),
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
         warnings=tuple(data["warnings"]),
         times=data["times_s"],
-        provenance=data["provenance"],
+        provenance=_mapping(data["provenance"], "provenance"),
     )
+
+
+def _mapping(data: Any, key: str) -> dict[str, Any]:
+    if not isinstance(data, dict):
+        raise TypeError(f"{key}: not a mapping")
+    if not isinstance(data.get("sha256", {}), dict):
+        raise TypeError(f"{key}.sha256: not a mapping")
+    return data
+
+
+def _count(data: Any, key: str) -> int:
+    number = int(data)
+    if not 0 <= number < MOST:
+        raise ValueError(f"{key}: {'negative' if number < 0 else 'too large'}")
+    return number
 
 
 def _setup(data: dict[str, Any]) -> Setup:
@@ -58,8 +75,8 @@ def _described(data: Any, model: type[Description], name: str) -> Description:
 def _grasp(data: dict[str, Any]) -> Grasp:
     figures = [{key: value for key, value in f.items() if key != "holds"} for f in data["certificate"]["figures"]]
     return Grasp(
-        start=int(data["start"]),
-        count=int(data["count"]),
+        start=_count(data["start"], "start"),
+        count=_count(data["count"], "count"),
         joints=_finite(data["joints"]),
         q_arm=_array(data["q_arm"]),
         synergy=_array(data["synergy"]),

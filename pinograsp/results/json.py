@@ -17,15 +17,15 @@ from .encoding import FORMAT_VERSION, encode
 from .grasp import Result
 
 
-def write_json(result: Result, file: Path) -> None:
+def write_json(result: Result, file: Path | str) -> None:
     """Write a result with the robot, the scene and the task that it belongs to.
 
     The file is there whole or not at all.
     """
-    write_whole(file, json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
+    write_whole(Path(file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
 
 
-def read_json(file: Path) -> Result:
+def read_json(file: Path | str) -> Result:
     """Read a result that `write_json` wrote.
 
     A result whose file was changed since is read, too, and says so (`Result.altered`); `verify` finds what was changed.
@@ -33,7 +33,7 @@ def read_json(file: Path) -> Result:
     Raises:
         InputError: the file is missing, is no JSON, or is of another format.
     """
-    data = _load(file)
+    data = _load(Path(file))
     try:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.

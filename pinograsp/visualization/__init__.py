@@ -48,7 +48,7 @@ def show(grasp: Grasp | Result, visualizer: Visualizer | None = None) -> Visuali
     return visualizer
 
 
-def write_html(grasp: Grasp | Result, file: Path, caption: str = "") -> None:
+def write_html(grasp: Grasp | Result, file: Path | str, caption: str = "") -> None:
     """Write a grasp as one HTML file: the picture, to turn with the mouse, beside its figures.
 
     The file is complete or not there; an older one is replaced.
@@ -64,7 +64,7 @@ def write_html(grasp: Grasp | Result, file: Path, caption: str = "") -> None:
     grasp, setup = _drawable(grasp)
     recorder = Recorder()
     _draw(grasp, setup, Visualizer(window=recorder))
-    write_whole(file, grasp_page(recorder.commands, grasp, setup, caption))
+    write_whole(Path(file), grasp_page(recorder.commands, grasp, setup, caption))
 
 
 def _drawable(grasp: Grasp | Result) -> tuple[Grasp, Setup]:

@@ -15,7 +15,7 @@ from .joint_limits import joint_limits
 from .pad_tangency import PadTangency
 from .wrench_balance import wrench_balance
 
-CONSTRAINTS: tuple[Callable[[TaskModel], Constraint | None], ...] = (
+CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     ContactGap,
     PadTangency,
     ContactForces,
@@ -24,7 +24,7 @@ CONSTRAINTS: tuple[Callable[[TaskModel], Constraint | None], ...] = (
     approach,
     joint_limits,
     Clearance,
-)
+]
 """What makes each constraint of a task, in the order of their rows; None where the task does not ask for it."""
 
 __all__ = ["CONSTRAINTS"]

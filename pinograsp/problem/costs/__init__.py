@@ -9,10 +9,10 @@ from ..task_model import TaskModel
 from .desired_contacts import DesiredContacts
 from .force_cost import ForceCost
 
-COSTS: tuple[Callable[[TaskModel], Cost | None], ...] = (
+COSTS: list[Callable[[TaskModel], Cost | None]] = [
     DesiredContacts,
     ForceCost,
-)
+]
 """What makes each cost of a task, in the order of their sum; None where the task does not ask for it."""
 
 __all__ = ["COSTS"]
