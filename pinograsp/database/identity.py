@@ -43,7 +43,7 @@ class Identity:
                 "mounting": scene.mounting.model_dump(mode="json"),
                 "obstacles": {name: body.model_dump(mode="json") for name, body in scene.obstacles.items()},
             },
-            margins=margins.model_dump(mode="json"),
+            margins=margins.model_dump(mode="json", include={"enclosure", "robot"}),
         )
 
     @classmethod

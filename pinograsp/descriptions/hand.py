@@ -108,13 +108,16 @@ class SoftFinger(Frozen):
     """Spin torque per angle of spin, N m / rad."""
 
 
+ContactModel = Annotated[HardFinger | SoftFinger, Field(discriminator="model")]
+
+
 class PadDescription(Frozen):
     """The surface patch of a finger link where contact is wanted."""
 
     name: Name
     link: Name
     patch: Patch
-    contact: Annotated[HardFinger | SoftFinger, Field(discriminator="model")]
+    contact: ContactModel
 
 
 class StiffnessDescription(Frozen):

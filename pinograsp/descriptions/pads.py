@@ -1,4 +1,4 @@
-"""Which of a hand's pads a task uses."""
+"""Which of a hand's pads a task uses, and as what contacts."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ from .scene import SceneDescription
 
 
 def robot_for(robot: RobotDescription, scene: SceneDescription, task_name: str) -> RobotDescription:
-    """Return the robot with the pads of a task, in its order: to the task, the others are links like any.
+    """Return the robot with the pads of a task, in its order, and its contact model: the other pads are links like any.
 
     Raises:
         InputError: there is no such task, or the robot has no pad of a name that the task gives.
     """
-    names = scene.task(task_name).pads
-    if names is None:
-        return robot
+    task = scene.task(task_name)
     pads = {pad.name: pad for pad in robot.pads}
+    names = tuple(pads) if task.pads is None else task.pads
     for i, name in enumerate(names):
         if name not in pads:
             problem, key = f"{robot.name} has no pad {name!r}", f"tasks.{task_name}.pads[{i}]"
             raise InputError(problem, file=scene.source, key=key, remedy=close_names(name, list(pads)))
-    return robot.model_copy(update={"pads": tuple(pads[name] for name in names)})
+    chosen = [pads[name] for name in names]
+    if task.contact_model is not None:
+        chosen = [pad.model_copy(update={"contact": task.contact_model}) for pad in chosen]
+    return robot.model_copy(update={"pads": tuple(chosen)})

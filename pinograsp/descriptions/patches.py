@@ -75,6 +75,8 @@ class LinePatch(_Framed):
     """A segment of a flat face: contact is wanted on the segment, and the face is tangent to the object there."""
 
     type: Literal["line"]
+    width: Annotated[Number, Field(ge=0.0)] = 0.0
+    """Of the face, half to each side of the segment: so far across it the footprint of a contact reaches, m."""
 
 
 class CylinderPatch(_Framed):

@@ -17,6 +17,7 @@ from ..arrays import Array
 from ..errors import InputError, close_names
 from . import locate
 from .files import FileRoot, Format1, Frozen, Number, OrderedInterval, UnitVector3, Vector3, read_file, wrong
+from .hand import ContactModel
 from .pose import ZERO, Pose
 from .regions import AllOf, Outside, Region
 from .shapes import Shape
@@ -71,6 +72,8 @@ class ObjectDescription(Body):
 
     center_of_mass: Vector3 = ZERO
     """In the object's frame."""
+    mass: Positive | None = None
+    """kg; by default what a task's external force weighs on Earth."""
 
     @cached_property
     def center_of_mass_world(self) -> Array:
@@ -117,6 +120,17 @@ class Margins(Frozen):
     """Robot to walls, obstacles and other objects (16)."""
     robot: NotNegative = 0.005
     """Robot to itself."""
+    object: NotNegative = 0.001
+    """Links that are no pads, and what stands out beside a pad, to the object: only pads are to carry it."""
+
+
+class Reserves(Frozen):
+    """How far a grasp keeps from where joints and pads end."""
+
+    joint: NotNegative = 0.02
+    """Arm joints from their limits, rad (m)."""
+    rim: NotNegative = 0.0
+    """Contact points from the rims of their pads and from the edges of the object's surface, m."""
 
 
 class ApproachDescription(Frozen):
@@ -143,10 +157,17 @@ class TaskDescription(Frozen):
     force_weight: NotNegative = 1.0
     """k of (10), mm^2: weight of V against the squared contact distances."""
     margin: Margins = Margins()
+    reserve: Reserves = Reserves()
+    contact_model: ContactModel | None = None
+    """What the contacts transmit, in place of what the robot's pads say."""
     allowed_contacts: Region | None = None
     """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
     forbidden_contacts: Region | None = None
     """Part of the object's surface where contact is forbidden, object's frame."""
+    contact_regions: Literal["footprint", "point"] = "footprint"
+    """What has to be where contact may be: all that pad and object touch, or the contact point alone (the paper)."""
+    withstand: Positive | None = None
+    """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
     approach: ApproachDescription | None = None
     """Approach directions that are wanted; every direction if not given."""
     joint_ranges: dict[Name, OrderedInterval] = Field(default_factory=dict)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..arrays import Array
@@ -9,7 +11,7 @@ from ..collision.distances import CollisionModel
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import SceneDescription, TaskDescription, robot_for
-from ..descriptions.hand import SoftFinger
+from ..descriptions.hand import PadDescription, SoftFinger
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import RobotModel
@@ -23,8 +25,8 @@ class TaskModel:
     def __init__(self, robot: RobotModel, scene: SceneDescription, task_name: str) -> None:
         self.scene, self.task_name = scene, task_name
         self.task: TaskDescription = scene.task(task_name)
-        pads = tuple(pad.name for pad in robot_for(robot.description, scene, task_name).pads)
-        self.robot = robot.with_pads(pads).mounted(scene.mounting.matrix)
+        pads = robot_for(robot.description, scene, task_name).pads
+        self.robot = robot.with_pads(tuple(pad.name for pad in pads)).mounted(scene.mounting.matrix)
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         self.surface = surface_of(scene.objects[self.task.object].shape)
@@ -34,7 +36,7 @@ class TaskModel:
         stiffness = robot.description.stiffness
         hand_size = len(self.robot.hand_joints)
         self.hand = Hand(self.robot.synergies, np.full(hand_size, 1.0 / stiffness.joint))
-        self.contact_models = _contact_models(self.robot)
+        self.contact_models = _contact_models(pads, stiffness.contact)
         constants = self.task.contact
         self.limits = ForceLimits(constants.friction, constants.min_normal_force, constants.max_force, constants.kappa)
 
@@ -72,11 +74,10 @@ class TaskModel:
         return distances, normals @ R.T, R @ hessians @ R.T
 
 
-def _contact_models(robot: RobotModel) -> ContactModels:
-    stiffness = robot.description.stiffness.contact
+def _contact_models(pads: Sequence[PadDescription], stiffness: float) -> ContactModels:
     radius: list[float] = []
     compliance: list[float] = []
-    for pad in robot.description.pads:
+    for pad in pads:
         soft = pad.contact if isinstance(pad.contact, SoftFinger) else None
         radius.append(soft.torsion_radius if soft else 0.0)
         compliance += 3 * [1.0 / stiffness]
