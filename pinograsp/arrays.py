@@ -16,3 +16,11 @@ def skew(vectors: Array) -> Array:
     matrices[..., 0, 1], matrices[..., 0, 2], matrices[..., 1, 2] = -z, y, -x
     matrices[..., 1, 0], matrices[..., 2, 0], matrices[..., 2, 1] = z, -y, x
     return matrices
+
+
+def cross(first: Array, second: Array) -> Array:
+    """Return vector products, shapes (..., 3) as NumPy broadcasts them; for few vectors far quicker than `np.cross`."""
+    return first[..., _NEXT] * second[..., _LAST] - first[..., _LAST] * second[..., _NEXT]
+
+
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ..arrays import Array
+from ..arrays import Array, cross
 
 SHARE = 2e-3
 """Share of a wrench, torques over the length, that may stay unbalanced in a direction that no forces balance."""
@@ -79,7 +79,9 @@ def _settings(careful: bool) -> Any:
     settings.max_threads = 1
     settings.presolve_enable = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _TOLERANCE
-    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 100 * _TOLERANCE
+    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = (
+        100 if careful else 10
+    ) * _TOLERANCE
     # The rows are of one unit and size as they are: neither equilibration nor refinement changes much but the time.
     settings.equilibrate_enable = settings.iterative_refinement_enable = careful
     return settings
@@ -102,7 +104,7 @@ class BalanceProblem:
         self._length = length
         columns = _Columns.of(at)
         arms = (at.points - center_of_mass)[columns.point]
-        torques = np.cross(arms, columns.forces) + columns.torques
+        torques = cross(arms, columns.forces) + columns.torques
         size = float(np.abs(columns.drives).max(initial=0.0))
         # A hand whose drive the contacts do not feel squeezes with nothing: no row.
         drives, self._tau = ([columns.drives / size], [drive_torque / size]) if size > 0.0 else ([], [])
@@ -176,9 +178,9 @@ class _Columns:
     @classmethod
     def of(cls, at: ContactPoints) -> _Columns:
         least = np.eye(3)[np.abs(at.normals).argmin(axis=1)]
-        first = np.cross(least, at.normals)
+        first = cross(least, at.normals)
         first /= np.linalg.norm(first, axis=1, keepdims=True)
-        axes = np.stack([at.normals, first, np.cross(at.normals, first)], axis=1)
+        axes = np.stack([at.normals, first, cross(at.normals, first)], axis=1)
         count = len(at.points)
         forces = np.zeros((count, 4, 3))
         forces[:, :3] = axes
@@ -261,7 +263,7 @@ def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive:
     for careful in (False, True):
         P, settings = sparse.csc_matrix((len(q), len(q))), _settings(careful)
         solution = clarabel.DefaultSolver(P, q, A, b, kinds, settings).solve()
-        if solution.status == clarabel.SolverStatus.Solved or (careful and solution.status in _SOLVED):
+        if solution.status in _SOLVED:
             found = np.asarray(solution.x)[n :: n + 1]
             return np.maximum(found, 0.0) if positive else found
     nothing = 0.0 if positive and solution.status in _IMPOSSIBLE else math.nan

@@ -17,10 +17,10 @@ One driver keeps its torque exactly. Several drivers, which hold positions rathe
 only the combination that is planned is kept. A hand whose drivers feel none of the planned forces keeps nothing.
 
 Limits of the figures. Pads and object are rigid and pressures act at the footprint's corners, which is exact for points
-and lines and close to it for areas; hand and arm do not yield; the object does not leave
-its contacts and touch elsewhere. Where no forces balance a wrench, the figure is 0, and rightly so: two hard fingers
-with point contacts do not resist a torque about the line that joins them, so that Q_torque is 0, and Q_force too unless
-the centre of mass is on that line (up to the share `balance.SHARE` of the object's size).
+and lines and close to it for areas; hand and arm do not yield; the object does not leave its contacts and touch
+elsewhere. Where no forces balance a wrench, the figure is 0, and rightly so: two hard fingers with point contacts do
+not resist a torque about the line that joins them, so that Q_torque is 0, and Q_force too unless the centre of mass is
+on that line (up to the share `balance.SHARE` of the object's size).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
 from ..descriptions.scene import ObjectDescription, TaskDescription
 from .balance import BalanceProblem, ContactPoints, Limits
@@ -88,7 +88,7 @@ def hold_of(
         radius: of the ball about the centre of mass that holds the object, m.
     """
     normals = pads.nearest(claim.points)[1]
-    moments = np.cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
+    moments = cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
     exerted = np.column_stack([claim.forces, moments])
     torques = np.einsum("isk,ik->s", np.array(rates), exerted)
     size = float(np.linalg.norm(torques))
@@ -97,14 +97,14 @@ def hold_of(
     contact = np.repeat(np.arange(len(corners)), [len(points) for points in corners])
     points, twists = np.concatenate(corners), (squeeze @ np.array(rates))[contact]
     drive = np.column_stack(
-        [twists[:, :3] + np.cross(twists[:, 3:], points), (twists[:, 3:] * normals[contact]).sum(axis=1)]
+        [twists[:, :3] + cross(twists[:, 3:], points), (twists[:, 3:] * normals[contact]).sum(axis=1)]
     )
     radii = [pad.contact.torsion_radius if isinstance(pad.contact, SoftFinger) else 0.0 for pad in pads.pads]
     at = ContactPoints(contact, points, normals[contact], np.array(radii)[contact], drive)
     constants = task.contact
     limits = Limits(constants.friction, constants.min_normal_force, constants.max_force)
     force, torque = exerted[:, :3].sum(axis=0), exerted[:, 3:].sum(axis=0)
-    load = -np.concatenate([force, torque - np.cross(center_of_mass, force)])
+    load = -np.concatenate([force, torque - cross(center_of_mass, force)])
     return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
 
 
