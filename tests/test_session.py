@@ -208,7 +208,7 @@ def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: p
     for q in (grasp.joints, np.concatenate([grasp.q_arm, grasp.synergy])):
         check = planner.check(q, "sphere")
         assert check.verified, check.certificate.refuted_by
-        for name in ("enclosure clearance", "self clearance", "object clearance"):
+        for name in ("enclosure clearance", "self clearance", "object clearance", "pad clearance"):
             figure = check.certificate[name]
             assert figure.value == pytest.approx(grasp.certificate[name].value, abs=1e-9)
             least = min((pair.distance for pair in check.clearances if pair.name == name), default=0.05)

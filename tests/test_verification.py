@@ -283,8 +283,9 @@ def names(certificate: Certificate) -> set[str]:
 def test_a_valid_grasp_is_verified(case: Case, verifier: Verifier) -> None:
     certificate = verifier.check(case.claim)
     assert certificate.verified, certificate.refuted_by
-    assert certificate["object clearance"].value == pytest.approx(0.0, abs=2e-6)
-    assert certificate["object clearance"].where.endswith("finger_tip_link / sphere")
+    assert certificate["pad clearance"].value == pytest.approx(0.0, abs=2e-6)
+    assert certificate["pad clearance"].where.endswith("finger_tip_link / sphere")
+    assert not certificate["object clearance"].where.endswith("finger_tip_link / sphere")
     assert certificate["friction"].value < 0.0
     assert all(type(figure.value) is float for figure in certificate.figures)
     assert json.loads(json.dumps(certificate.to_json(), allow_nan=False))["verified"] is True
@@ -330,8 +331,9 @@ def test_robot_file_narrows_the_limits(case: Case) -> None:
     arm = case.robot.arm.model_copy(update={"limits": {"joint_1": (angle + 0.1, angle + 1.0)}})
     robot = case.robot.model_copy(update={"arm": arm})
     certificate = Verifier(robot, case.scene(), "sphere").check(case.claim)
-    assert names(certificate) == {"joint limits"}
+    assert names(certificate) == {"joint limits", "joint reserve"}
     assert certificate["joint limits"].value == pytest.approx(-0.1)
+    assert certificate["joint reserve"].where == "joint_1"
 
 
 def test_forces_are_checked(case: Case, verifier: Verifier) -> None:
@@ -406,8 +408,8 @@ def test_object_in_the_pads(case: Case) -> None:
     larger = case.scene().model_dump()
     larger["objects"]["sphere"]["shape"]["radius"] = case.radius + 1e-4
     certificate = case.check(SceneDescription.model_validate(larger))
-    assert certificate["object clearance"].value == pytest.approx(-1e-4, abs=1e-6)
-    assert {"object clearance", "contact gap"} <= names(certificate)
+    assert certificate["pad clearance"].value == pytest.approx(-1e-4, abs=1e-6)
+    assert {"pad clearance", "contact gap"} <= names(certificate)
 
 
 def test_self_collision_agrees_with_brute_force(robot: RobotDescription, verifier: Verifier) -> None:

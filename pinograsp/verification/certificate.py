@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Figure:
-    """One recomputed quantity against its limit."""
+    """One recomputed quantity against its limit; one that nothing limits has the limit -inf, "at least"."""
 
     name: str
     value: float

@@ -7,21 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..arrays import Array
 from ..descriptions import RobotDescription, SceneDescription, robot_for
 from ..errors import InputError, close_names
 from .certificate import Certificate, Figure
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
-from .contacts import Pads, contact_figures, region_figure
+from .contacts import Pads, contact_figures, footprint_figure, footprints, region_figure, rim_figures
 from .derived import Derived
 from .force_cost import force_cost
 from .forces import balance_figures, force_figures
-from .joints import limits_figure, mimic_figure
+from .jacobians import manipulability_figure
+from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
+from .standing_out import standing_out
 from .synergies import Synergies
 
 _LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
@@ -53,7 +56,11 @@ class Verifier:
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
-        self._target_pairs = [(mesh, self._target) for mesh in read.meshes.values()]
+        of_pads = {pad.link for pad in self._pads}
+        beside = standing_out(read, tuple((pad.link, pad.patch) for pad in self._pads))
+        others = [mesh for link, mesh in read.meshes.items() if link not in of_pads]
+        self._object_pairs = [(mesh, self._target) for mesh in (*others, *beside.values())]
+        self._pad_pairs = [(mesh, self._target) for link, mesh in read.meshes.items() if link in of_pads]
         self._obstacle_pairs = [(mesh, obstacle) for mesh in read.moving for obstacle in obstacles]
 
     def check(self, claim: Claim) -> Certificate:
@@ -106,7 +113,8 @@ class Verifier:
         found = [
             *wall_clearances(self._robot.moving, self._walls, poses),
             *shape_clearances("obstacle clearance", self._obstacle_pairs, placed),
-            *shape_clearances("object clearance", self._target_pairs, placed),
+            *shape_clearances("object clearance", self._object_pairs, placed),
+            *shape_clearances("pad clearance", self._pad_pairs, placed),
             *link_clearances("self clearance", self._enabled, placed),
             *link_clearances("self collision", self._never, placed),
         ]
@@ -114,16 +122,22 @@ class Verifier:
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
-        joints = self._kinematics.joints
         placed = Placed(self._robot.meshes, poses)
-        figures = self._clearances(poses, placed)
-        figures.append(shape_figure("object clearance", self._target_pairs, placed, -PENETRATION))
-        figures += self._statics(claim, poses)
-        if self._robot.limits:
-            figures.append(limits_figure(self._robot.limits, claim.joints))
-        figures.append(mimic_figure(joints, claim.joints))
-        synergies = self._robot.synergies.figure(claim.joints)
-        return [*figures, *([] if synergies is None else [synergies]), *self._preferences(claim, poses)]
+        figures = [*self._clearances(poses, placed), *self._object_clearances(placed), *self._statics(claim, poses)]
+        figures += self._joints(claim.joints)
+        arm = self._robot.arm
+        figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
+        return [*figures, *self._preferences(claim, poses)]
+
+    def _joints(self, angles: dict[str, float]) -> list[Figure]:
+        limits, joints = self._robot.limits, self._kinematics.joints
+        figures = [
+            limits_figure(limits, angles) if limits else None,
+            reserve_figure(limits, self._robot.arm.joints, angles, self._task.reserve.joint),
+            mimic_figure(joints, angles),
+            self._robot.synergies.figure(angles),
+        ]
+        return [figure for figure in figures if figure is not None]
 
     def _preferences(self, claim: Claim, poses: Poses) -> list[Figure]:
         figures = []
@@ -147,17 +161,35 @@ class Verifier:
             self_figure("self collision", self._never, placed, 0.0),
         ]
 
+    def _object_clearances(self, placed: Placed) -> list[Figure]:
+        """Return how far pads are from the object, and everything else of the robot.
+
+        What of a pad's link is flush with the pad or behind it counts as the pad.
+        """
+        limits = {"object clearance": self._task.margin.object - 1e-6, "pad clearance": -PENETRATION}
+        pairs = zip(limits.items(), (self._object_pairs, self._pad_pairs), strict=True)
+        return [shape_figure(name, given, placed, limit) for (name, limit), given in pairs if given]
+
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
         radius = self._target.radius_about(self._center_of_mass)
-        region = self._task.contact_region
         return [
             *contact_figures(claim.points, inward, pads, self._target),
-            *([] if region is None else [region_figure(claim.points, region, pads, self._target)]),
+            *self._region(claim.points, inward, pads),
+            *rim_figures(claim.points, pads, self._target, self._task.reserve.rim),
             *balance_figures(claim, pads.nearest(claim.points)[1], self._center_of_mass, radius, self._task),
             *force_figures(claim, inward, self._pads, self._task),
         ]
+
+    def _region(self, points: Array, inward: Array, pads: Pads) -> list[Figure]:
+        region = self._task.contact_region
+        if region is None:
+            return []
+        if self._task.contact_regions == "point":
+            return [region_figure(points, region, pads, self._target)]
+        areas = footprints(points, inward, pads, self._target)
+        return [footprint_figure(areas, region, pads, self._target)]
 
     def _rest(self) -> Claim:
         """Return a claim of zeros, which has every figure."""

@@ -1,7 +1,8 @@
-"""Figures of the contact points: on the object, on the pads, pads tangent to the object."""
+"""Figures of the contacts: points on the object and on the pads, pads tangent to the object, footprints in regions."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,13 +12,21 @@ from ..arrays import Array
 from ..descriptions.hand import PadDescription
 from ..descriptions.regions import Region
 from .certificate import Figure
+from .footprint import footprint
 from .kinematics import Poses
-from .patches import nearest_on_patch
+from .patches import contact_face, nearest_on_patch, rim_distance
+from .region_depth import least_depth
 from .regions import depth
 from .shapes import PENETRATION, PlacedShape
 
 REGION_TOLERANCE = 1e-9
-"""How far a contact may be outside its region, m."""
+"""How far a contact point may be outside its region, m."""
+FOOTPRINT_TOLERANCE = 1e-6
+"""How far a footprint may reach outside its region, m."""
+RIM_TOLERANCE = 2e-6
+"""How far a contact point may be beyond the rim of its pad, m."""
+EDGE_TOLERANCE = 2e-5
+"""How far a contact point may be beyond the edge of the object's face, m."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +54,26 @@ class Pads:
         """Their names."""
         return tuple(pad.name for pad in self.pads)
 
+    def to_pads(self, points: Array) -> Array:
+        """Transform world point i into the frame of the patch of pad i, shape (pads, 3)."""
+        return np.asarray(np.einsum("pji,pj->pi", self.rotations, points - self.origins))
+
+    def faces(self, points: Array) -> list[Array]:
+        """Return what of pad i lies in its tangent plane nearest to world point i; world, shape (k, 3) each, m."""
+        local = zip(self.pads, self.to_pads(points), self.rotations, self.origins, strict=True)
+        return [contact_face(pad.patch, point) @ R.T + origin for pad, point, R, origin in local]
+
+    def rims(self, points: Array) -> Array:
+        """Return how far world point i is from the rim of pad i, along the pad, shape (pads,), m."""
+        local = zip(self.pads, self.to_pads(points), strict=True)
+        return np.array([rim_distance(pad.patch, point) for pad, point in local])
+
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Return the distance of point i to pad i, shape (pads,), m, and the pad's outward normal there, (pads, 3).
 
         Points and normals are in the world.
         """
-        local = np.einsum("pji,pj->pi", self.rotations, points - self.origins)
-        found = [nearest_on_patch(pad.patch, point) for pad, point in zip(self.pads, local, strict=True)]
+        found = [nearest_on_patch(pad.patch, point) for pad, point in zip(self.pads, self.to_pads(points), strict=True)]
         distances, normals = zip(*found, strict=True)
         return np.array(distances), np.einsum("pij,pj->pi", self.rotations, np.array(normals))
 
@@ -76,11 +98,54 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
     ]
 
 
+def footprints(points: Array, inward: Array, pads: Pads, target: PlacedShape) -> list[Array]:
+    """Return the footprint of each contact, world, shape (k, 3) each, m; for the arguments see `contact_figures`."""
+    # Where the object has no normal, far inside, the pad's will do: such a contact is refuted anyway.
+    normals = np.where(np.isfinite(inward).all(axis=1, keepdims=True), inward, pads.nearest(points)[1])
+    faces = zip(pads.faces(points), points, normals, strict=True)
+    return [footprint(face, target.face(point), point, normal) for face, point, normal in faces]
+
+
 def region_figure(points: Array, region: Region, pads: Pads, target: PlacedShape) -> Figure:
-    """Return how deep the least deep contact is in the region where contact may be, m."""
+    """Return how deep the least deep contact point is in the region where contact may be, m."""
     depths = [depth(region, target.to_object(point)) for point in points]
-    worst = int(np.argmin(depths))
-    return Figure("contact region", depths[worst], -REGION_TOLERANCE, "m", "at least", pads.names[worst])
+    return _least("contact region", depths, -REGION_TOLERANCE, pads.names)
+
+
+def footprint_figure(areas: Sequence[Array], region: Region, pads: Pads, target: PlacedShape) -> Figure:
+    """Return how deep the least deep part of a footprint is in the region where contact may be, m.
+
+    Args:
+        areas: the footprints, world, shape (k, 3) each.
+        region: in the object's frame.
+        pads: contact i on pad i.
+        target: the object.
+    """
+    depths = [least_depth(region, target.to_object(area)) for area in areas]
+    return _least("contact region", depths, -FOOTPRINT_TOLERANCE, pads.names)
+
+
+def rim_figures(points: Array, pads: Pads, target: PlacedShape, reserve: float) -> list[Figure]:
+    """Return how far the contact points are from the rims of their pads and from the edges of the object's faces, m.
+
+    Without the second if the object has no edges.
+
+    Args:
+        points: contact points, world, shape (contacts, 3), m.
+        pads: contact i on pad i.
+        target: the object.
+        reserve: least distance that is wanted, m.
+    """
+    edges = [target.edge(point) for point in points]
+    figures = [_least("pad rim", pads.rims(points).tolist(), reserve - RIM_TOLERANCE, pads.names)]
+    if min(edges) < math.inf:
+        figures.append(_least("surface edge", edges, reserve - EDGE_TOLERANCE, pads.names))
+    return figures
+
+
+def _least(name: str, values: Sequence[float], limit: float, pads: tuple[str, ...]) -> Figure:
+    worst = int(np.argmin(values))
+    return Figure(name, float(values[worst]), limit, "m", "at least", pads[worst])
 
 
 def _largest(name: str, values: Array, limit: float, unit: str, pads: tuple[str, ...]) -> Figure:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..descriptions import RobotDescription
 from .certificate import Figure
@@ -24,6 +25,12 @@ def limits_figure(limits: Limits, angles: dict[str, float]) -> Figure:
     margins = {name: min(angles[name] - low, high - angles[name]) for name, (low, high) in limits.items()}
     worst = min(margins, key=margins.__getitem__)
     return Figure("joint limits", float(margins[worst]), -1e-9, "rad", "at least", worst)
+
+
+def reserve_figure(limits: Limits, arm: Iterable[str], angles: dict[str, float], reserve: float) -> Figure | None:
+    """Return the least distance of an arm joint from its limits, rad (m for sliding joints); None if none has any."""
+    own = {name: limits[name] for name in arm if name in limits}
+    return replace(limits_figure(own, angles), name="joint reserve", limit=reserve - 1e-9) if own else None
 
 
 def mimic_figure(joints: Iterable[Joint], angles: dict[str, float]) -> Figure:

@@ -36,6 +36,19 @@ class Joint:
     offset: float
 
 
+@dataclass(frozen=True)
+class Twist:
+    """A movable joint as it turns or slides in the world."""
+
+    joint: str
+    turns: bool
+    """Or it slides."""
+    axis: Array
+    """Unit vector, shape (3,)."""
+    place: Array
+    """A point of the axis, m, shape (3,)."""
+
+
 def parsed(urdf: RobotUrdf, file: Path) -> Any:
     """Return a composed URDF as yourdfpy reads it, without its meshes.
 
@@ -66,6 +79,8 @@ class Kinematics:
         )
         axes = np.array([_axis(joint) for joint in self._tree]).reshape(-1, 3)
         turns = np.array([joint.type in ("revolute", "continuous") for joint in self._tree], dtype=bool)
+        self._axes = axes
+        self._above = {joint.child: i for i, joint in enumerate(self._tree)}
         self._slides = np.where(turns[:, None], 0.0, axes)
         self._skew = np.zeros((len(axes), 3, 3))
         x, y, z = (axes * turns[:, None]).T
@@ -96,16 +111,33 @@ class Kinematics:
         pair = {self.body[first], self.body[second]}
         return any({self.body[joint.parent], self.body[joint.child]} == pair for joint in self._tree)
 
+    def twists(self, link: str, poses: Poses) -> list[Twist]:
+        """Return the movable joints between the root and a link as they turn or slide in the world, root first.
+
+        Args:
+            link: its name.
+            poses: of all links, as `poses` returns them.
+        """
+        found = []
+        while link in self._above:
+            i = self._above[link]
+            joint = self._tree[i]
+            if joint.type in _MOVABLE:
+                T = poses[joint.child]
+                found.append(Twist(joint.name, joint.type != "prismatic", T[:3, :3] @ self._axes[i], T[:3, 3]))
+            link = joint.parent
+        return found[::-1]
+
     def moved_by(self, first: str, second: str) -> set[str]:
         """Return the joints that move two links against each other; for a mimic joint, the one that leads it."""
         joints = {joint.name: joint for joint in self.joints}
-        above = {joint.child: joint for joint in self._tree}
 
         def on_the_way(link: str) -> set[str]:
             found: set[str] = set()
-            while link in above:
-                found |= {above[link].name} & joints.keys()
-                link = above[link].parent
+            while link in self._above:
+                joint = self._tree[self._above[link]]
+                found |= {joint.name} & joints.keys()
+                link = joint.parent
             return found
 
         def leader(name: str) -> str:

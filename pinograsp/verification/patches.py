@@ -1,4 +1,4 @@
-"""Where a point lies on a pad, judged from the point itself: distance to the patch and outward normal there.
+"""Where a point lies on a pad, judged from the point itself: distance to the patch, outward normal, contact face, rim.
 
 Written apart from `geometry.patches`, which goes the other way, from contact parameters to points.
 """
@@ -62,3 +62,58 @@ _NEAREST: dict[type, Callable[[Any, Array], tuple[float, Array]]] = {
     CylinderPatch: _cylinder,
     SpherePatch: _sphere,
 }
+
+
+def contact_face(patch: Any, point: Array) -> Array:
+    """Return what of a patch lies in its tangent plane where it is nearest to a point; patch frame, shape (k, 3).
+
+    A point (sphere), the ends of a line (cylinder, line without width) or the corners of a rectangle in order, m.
+    """
+    match patch:
+        case PlanePatch():
+            return _rectangle(patch.u, patch.v)
+        case LinePatch():
+            half = 0.5 * patch.width
+            return _rectangle(patch.u, (-half, half)) if half > 0.0 else np.array([[end, 0.0, 0.0] for end in patch.u])
+        case CylinderPatch():
+            offset = patch.radius * nearest_on_patch(patch, point)[1]
+            return np.array([[end, offset[1], offset[2]] for end in patch.u])
+        case _:
+            return np.asarray(patch.radius * nearest_on_patch(patch, point)[1])[None]
+
+
+def rim_distance(patch: Any, point: Array) -> float:
+    """Return how far a point of a patch is from the patch's rim along the surface, m; negative beyond it.
+
+    Of a line with a width the long sides count too; a cylinder or sphere that goes all the way round has no rim there.
+    """
+    match patch:
+        case PlanePatch():
+            return min(_within(patch.u, point[0]), _within(patch.v, point[1]))
+        case LinePatch():
+            across = 0.5 * patch.width - abs(float(point[1])) if patch.width > 0.0 else math.inf
+            return min(_within(patch.u, point[0]), across)
+        case CylinderPatch():
+            around = _within_turn(patch.v, math.atan2(point[1], point[2]))
+            return min(_within(patch.u, point[0]), float(patch.radius) * around)
+        case _:
+            first = math.atan2(point[0], point[2])
+            second = math.atan2(point[1], math.hypot(point[0], point[2]))
+            around = math.cos(second) * _within_turn(patch.u, first)
+            return float(patch.radius) * min(around, _within(patch.v, second))
+
+
+def _rectangle(u: tuple[float, float], v: tuple[float, float]) -> Array:
+    return np.array([[u[0], v[0], 0.0], [u[1], v[0], 0.0], [u[1], v[1], 0.0], [u[0], v[1], 0.0]])
+
+
+def _within(interval: tuple[float, float], value: float) -> float:
+    return float(min(value - interval[0], interval[1] - value))
+
+
+def _within_turn(interval: tuple[float, float], angle: float) -> float:
+    """Return how far an angle is inside an interval, rad; inf if the interval is the whole turn."""
+    low, high = interval
+    if high - low >= math.tau - 1e-9:
+        return math.inf
+    return 0.5 * (high - low) - abs(math.remainder(angle - 0.5 * (low + high), math.tau))

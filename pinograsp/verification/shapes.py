@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import coal
@@ -20,6 +21,9 @@ from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
 
 PENETRATION = 2e-5
 """How deep a link may stick in the object, m: 0.02 mm."""
+_ARC = 2e-7
+"""How far an arc may bulge out of the polygon that stands for it, m."""
+_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,15 @@ class Geometry(Protocol):
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds the shape."""
 
+    def face(self, point: Array) -> Array:
+        """Part of the surface in the tangent plane at the surface point nearest to `point`.
+
+        A point, the ends of a line, or the corners of a convex polygon in order, shape (k, 3).
+        """
+
+    def edge(self, point: Array) -> float:
+        """Distance of `point` from the edges of the face that it lies on, negative beyond; inf if it has none."""
+
 
 class SphereGeometry:
     """A ball. Its core is next to a point, so that penetration too is exact down to the centre."""
@@ -69,6 +82,14 @@ class SphereGeometry:
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds the shape."""
         return self._radius + float(np.linalg.norm(point))
+
+    def face(self, point: Array) -> Array:
+        """Surface point itself."""
+        return np.asarray(-self._radius * self.inward(point))[None]
+
+    def edge(self, point: Array) -> float:
+        """Infinite: a sphere has no edges."""
+        return math.inf
 
 
 class BoxGeometry:
@@ -97,6 +118,19 @@ class BoxGeometry:
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds the shape."""
         return float(np.linalg.norm(np.abs(point) + self._half))
+
+    def face(self, point: Array) -> Array:
+        """Corners of the side that is nearest (farthest beyond, at an edge)."""
+        axis = int(np.argmax(np.abs(point) - self._half))
+        corners = np.empty((4, 3))
+        corners[:, axis] = math.copysign(self._half[axis], point[axis])
+        corners[:, [i for i in range(3) if i != axis]] = _CORNERS * np.delete(self._half, axis)
+        return corners
+
+    def edge(self, point: Array) -> float:
+        """Distance to the nearest side of the rectangle."""
+        beyond = np.abs(point) - self._half
+        return float(-np.delete(beyond, int(np.argmax(beyond))).max())
 
 
 class CylinderGeometry:
@@ -132,6 +166,29 @@ class CylinderGeometry:
         """Radius of the least ball about `point` that holds the shape."""
         return math.hypot(math.hypot(point[0], point[1]) + self._radius, abs(float(point[2])) + self._half)
 
+    def face(self, point: Array) -> Array:
+        """Line along the side from cap to cap, or a cap as a polygon with its corners on the circle."""
+        side, cap = self._beyond(point)
+        if cap > side:
+            return np.column_stack(
+                [self._radius * self._circle, np.full(len(self._circle), math.copysign(self._half, point[2]))]
+            )
+        angle = math.atan2(point[1], point[0])
+        x, y = self._radius * math.cos(angle), self._radius * math.sin(angle)
+        return np.array([[x, y, -self._half], [x, y, self._half]])
+
+    def edge(self, point: Array) -> float:
+        """Distance to the nearer cap's circle."""
+        side, cap = self._beyond(point)
+        return -min(side, cap)
+
+    @cached_property
+    def _circle(self) -> Array:
+        """Corners of the unit circle's polygon, as many as keep the bulges of the arcs below `_ARC`, shape (n, 2)."""
+        count = max(16, math.ceil(math.pi / math.acos(max(0.0, 1.0 - _ARC / self._radius))))
+        angles = np.arange(count) * (2 * math.pi / count)
+        return np.column_stack([np.cos(angles), np.sin(angles)])
+
 
 GEOMETRY: dict[type[ShapeDescription], Callable[[Any], Geometry]] = {
     Sphere: SphereGeometry,
@@ -154,8 +211,8 @@ class PlacedShape:
         self.placement = coal.Transform3s(self._rotation, self.center)
 
     def to_object(self, point: Array) -> Array:
-        """Transform a world point, shape (3,), into the frame of the body."""
-        return np.asarray(self._rotation.T @ (point - self.center))
+        """Transform world points, shape (..., 3), into the frame of the body."""
+        return np.asarray((point - self.center) @ self._rotation)
 
     def distance(self, point: Array) -> float:
         """Signed distance of a world point, shape (3,), to the surface, m."""
@@ -168,3 +225,11 @@ class PlacedShape:
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about a world point, shape (3,), that holds the shape, m."""
         return self._geometry.radius_about(self.to_object(point))
+
+    def face(self, point: Array) -> Array:
+        """Part of the surface in the tangent plane nearest to a world point (3,); world, shape (k, 3), m."""
+        return np.asarray(self._geometry.face(self.to_object(point)) @ self._rotation.T + self.center)
+
+    def edge(self, point: Array) -> float:
+        """Distance of a world point (3,) from the edges of the face that it lies on, m; inf if it has none."""
+        return self._geometry.edge(self.to_object(point))

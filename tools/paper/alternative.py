@@ -36,7 +36,10 @@ from .store import Lines, key_of
 
 SEEDS = 6
 """Starts of the database from which the arm is solved for each hand pose."""
-CLEARANCES = {"enclosure clearance", "obstacle clearance", "self clearance", "self collision", "object clearance"}
+CLEARANCES = {
+    *("enclosure clearance", "obstacle clearance", "self clearance", "self collision"),
+    *("object clearance", "pad clearance"),
+}
 Stage = Literal["no arm posture", "collision", "refuted otherwise", "verified"]
 STAGES: tuple[Stage, ...] = ("no arm posture", "collision", "refuted otherwise", "verified")
 """How far a hand pose came."""

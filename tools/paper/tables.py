@@ -94,7 +94,7 @@ def judge(case: Case, result: pinograsp.Result) -> dict[str, str]:
     least = f"{marks.least_U:g} to " if marks.least_U else "at most "
     found[f"best U {least}{marks.most_U:g}"] = _judged(f"{U:.6g}", marks.least_U <= U <= marks.most_U)
     if marks.penetration_mm is not None:
-        depth = np.inf if best is None else max(0.0, -1e3 * best.certificate["object clearance"].value)
+        depth = np.inf if best is None else max(0.0, -1e3 * best.certificate["pad clearance"].value)
         found[f"best grasp at most {marks.penetration_mm:g} mm inside the object"] = _judged(
             f"{depth:.4f} mm", depth <= marks.penetration_mm
         )

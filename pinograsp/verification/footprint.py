@@ -1,0 +1,161 @@
+"""The footprint of a contact: all that pad and object touch, where the contact point is but its centre of pressure.
+
+At the contact point pad and object share the tangent plane. What of the pad lies in that plane is a point (of a
+sphere), a straight line (of a cylinder's side) or a polygon (a flat face), and so is what of the object lies in it.
+Both sets are convex; the footprint is their intersection. Rigid bodies are meant: rubber that yields touches more.
+
+The sets are projected onto the tangent plane of the object, so that a small tilt does not matter. Two lines that are
+parallel to within one degree touch along their overlap, others meet in the contact point. The contact point always
+belongs to the footprint, also where it lies a little beyond an edge.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Array
+
+PARALLEL = math.radians(1.0)
+"""Angle between two lines up to which they count as parallel, rad."""
+EDGE = 1e-7
+"""An edge that is nearer to the contact point than this counts as so far away, m: a line along an edge stays whole."""
+_AREA = 1e-14
+
+
+def footprint(pad_face: Array, object_face: Array, point: Array, normal: Array) -> Array:
+    """Return the vertices of a footprint, shape (k, 3): k = 1 a point, 2 a line, 3 or more a polygon in order.
+
+    All in one frame, m.
+
+    Args:
+        pad_face: the pad's contact face: a point, the ends of a line, or the corners of a convex polygon in order,
+            shape (k, 3).
+        object_face: the object's contact face likewise.
+        point: the contact point, shape (3,).
+        normal: unit normal of the tangent plane, shape (3,).
+    """
+    if len(pad_face) == 1 or len(object_face) == 1:
+        return point[None]
+    axes = _tangents(normal)
+    first, second = ((face - point) @ axes.T for face in (object_face, pad_face))
+    if len(first) > len(second):
+        first, second = second, first
+    if len(second) == 2:
+        found = _overlap(first, second)
+    elif len(first) == 2:
+        found = _clipped_line(first, second)
+    else:
+        found = _clipped_polygon(second, first)
+    return np.asarray(point + found @ axes)
+
+
+def thinned(vertices: Array, most: int) -> Array:
+    """Return at most so many of the vertices of a footprint, shape (k, 3), evenly spread over their order."""
+    if len(vertices) <= most:
+        return vertices
+    return vertices[(np.arange(most) * len(vertices)) // most]
+
+
+def _tangents(normal: Array) -> Array:
+    """Return two unit vectors that span the plane across a normal, rows of a (2, 3) matrix, right-handed with it."""
+    least = np.zeros(3)
+    least[int(np.abs(normal).argmin())] = 1.0
+    x, y, z = normal
+    first = np.array([least[1] * z - least[2] * y, least[2] * x - least[0] * z, least[0] * y - least[1] * x])
+    first /= math.sqrt(first @ first)
+    a, b, c = first
+    return np.array([first, [y * c - z * b, z * a - x * c, x * b - y * a]])
+
+
+def _direction(line: Array) -> Array | None:
+    """Return the unit direction of a line in the plane, shape (2, 2); None if it has no length there."""
+    along = line[1] - line[0]
+    length = math.hypot(*along)
+    return None if length < EDGE else along / length
+
+
+def _interval(line: Array, direction: Array) -> tuple[float, float]:
+    """Return from where to where a line reaches along a direction, the contact point (0) included."""
+    ends = line @ direction
+    return min(0.0, float(ends.min())), max(0.0, float(ends.max()))
+
+
+def _overlap(first: Array, second: Array) -> Array:
+    """Return what two lines have in common, shape (1 or 2, 2)."""
+    d, e = _direction(first), _direction(second)
+    if d is None or e is None or abs(d[0] * e[1] - d[1] * e[0]) > math.sin(PARALLEL):
+        return np.zeros((1, 2))
+    ends = _interval(first, d), _interval(second, d)
+    return _line(max(low for low, _ in ends), min(high for _, high in ends), d)
+
+
+def _line(low: float, high: float, direction: Array) -> Array:
+    if high - low < EDGE:
+        return np.zeros((1, 2))
+    return np.array([low * direction, high * direction])
+
+
+def _clipped_line(line: Array, polygon: Array) -> Array:
+    """Return what a line and a polygon have in common, shape (1 or 2, 2)."""
+    d, sides = _direction(line), _sides(polygon)
+    if d is None or sides is None:
+        return np.zeros((1, 2))
+    low, high = _interval(line, d)
+    normals, offsets = sides
+    for slope, offset in zip((normals @ d).tolist(), np.maximum(offsets, EDGE).tolist(), strict=True):
+        if slope > 0.0:
+            high = min(high, offset / slope)
+        elif slope < 0.0:
+            low = max(low, offset / slope)
+    return _line(low, high, d)
+
+
+def _clipped_polygon(polygon: Array, by: Array) -> Array:
+    """Return what two polygons have in common, shape (k, 2); the first may have many corners."""
+    own, sides = _sides(polygon), _sides(by)
+    if own is None or sides is None:
+        return np.zeros((1, 2))
+    corners = _with_origin(_counterclockwise(polygon), own[1])
+    for normal, offset in zip(*sides, strict=True):
+        heights = corners @ normal - max(float(offset), EDGE)
+        after = np.roll(heights, -1)
+        ahead = np.roll(corners, -1, axis=0)
+        crossing = (heights < 0.0) != (after < 0.0)
+        share = np.where(crossing, heights / np.where(crossing, heights - after, 1.0), 0.0)
+        cuts = corners + share[:, None] * (ahead - corners)
+        both = np.stack([corners, cuts], axis=1).reshape(-1, 2)
+        corners = both[np.stack([heights < 0.0, crossing], axis=1).ravel()]
+    apart = np.abs(corners - np.roll(corners, -1, axis=0)).max(axis=1) > 1e-2 * EDGE
+    return np.asarray(corners[apart])
+
+
+def _counterclockwise(polygon: Array) -> Array:
+    return polygon if _area(polygon) > 0.0 else polygon[::-1]
+
+
+def _area(polygon: Array) -> float:
+    ahead = np.roll(polygon, -1, axis=0)
+    return 0.5 * float((polygon[:, 0] * ahead[:, 1] - polygon[:, 1] * ahead[:, 0]).sum())
+
+
+def _sides(polygon: Array) -> tuple[Array, Array] | None:
+    """Return outward unit normals n and offsets b of a polygon's sides, n . p <= b inside; None if it is degenerate."""
+    if abs(_area(polygon)) < _AREA:
+        return None
+    corners = _counterclockwise(polygon)
+    along = np.roll(corners, -1, axis=0) - corners
+    along /= np.sqrt((along * along).sum(axis=1))[:, None]
+    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    return normals, (normals * corners).sum(axis=1)
+
+
+def _with_origin(polygon: Array, offsets: Array) -> Array:
+    """Return the convex hull of a polygon, counter-clockwise, and of the contact point, the origin."""
+    seen = offsets < 0.0
+    if not seen.any():
+        return polygon
+    start = int(np.flatnonzero(seen & ~np.roll(seen, 1))[0])
+    kept = np.roll(polygon, -(start + int(seen.sum())), axis=0)[: len(polygon) - int(seen.sum()) + 1]
+    return np.vstack([kept, np.zeros(2)])

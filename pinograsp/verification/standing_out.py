@@ -1,0 +1,82 @@
+"""What of a pad's own link stands out beside the pad: it may touch the object no more than another link may.
+
+A convex object that is tangent to a pad lies wholly above the pad's tangent plane. Of a flat pad that is the pad's own
+plane, so what of the link is flush with it or behind it cannot be touched, and counts as rubber or its backing. What is
+above the plane by more than `PENETRATION` stands out; triangles are cut there. Of a curved pad the surface continued is
+the whole sphere or cylinder, and triangles that reach more than `BULGE` outside it stand out.
+
+A link with several pads is touched at each of them, so that only what stands out above all of them counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from ..arrays import Array
+from ..descriptions.patches import CylinderPatch, Patch, SpherePatch
+from ..memo import remembered
+from .link_mesh import LinkMesh
+from .robot import VerifiedRobot
+from .shapes import PENETRATION
+
+BULGE = 1e-4
+"""How far a triangle may reach out of a curved pad's surface continued, m: facets do not follow it exactly."""
+
+Placed = tuple[str, Patch]
+
+
+@remembered
+def standing_out(robot: VerifiedRobot, pads: tuple[Placed, ...]) -> dict[str, LinkMesh]:
+    """Return what stands out of the links with pads, by link; links of which nothing does are left out.
+
+    Args:
+        robot: its meshes.
+        pads: link and patch of each pad.
+    """
+    patches: dict[str, list[Patch]] = {}
+    for link, patch in pads:
+        patches.setdefault(link, []).append(patch)
+    found = {}
+    for link, mesh in robot.meshes.items():
+        if link in patches:
+            part = _part(mesh, patches[link])
+            if part is not None:
+                found[link] = part
+    return found
+
+
+def _part(mesh: LinkMesh, patches: list[Patch]) -> LinkMesh | None:
+    vertices, faces = mesh.vertices, mesh.faces
+    for patch in patches:
+        if isinstance(patch, CylinderPatch | SpherePatch):
+            faces = faces[(_heights(patch, vertices) > BULGE)[faces].any(axis=1)]
+        else:
+            normal = patch.rotation[:, 2]
+            origin = np.array(patch.origin) + PENETRATION * normal
+            vertices, faces = trimesh.intersections.slice_faces_plane(vertices, faces, normal, origin)[:2]
+        if not len(faces):
+            return None
+    used, numbers = np.unique(faces, return_inverse=True)
+    corners = np.asarray(vertices[used], dtype=np.float64)
+    return replace(
+        mesh,
+        vertices=corners,
+        faces=numbers.reshape(-1, 3).astype(np.int64),
+        hull=corners,
+        # Cut open, it encloses nothing: whether something sits inside the link is asked of the whole link.
+        hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
+        members=corners[:1],
+        radius=float(np.linalg.norm(corners - mesh.center, axis=1).max()),
+    )
+
+
+def _heights(patch: Any, vertices: Array) -> Array:
+    """Return how far vertices, link frame, shape (n, 3), are outside the whole sphere or cylinder of a patch, m."""
+    local = (vertices - np.array(patch.origin)) @ patch.rotation
+    if isinstance(patch, CylinderPatch):
+        local = local[:, 1:]
+    return np.asarray(np.linalg.norm(local, axis=1) - patch.radius)
