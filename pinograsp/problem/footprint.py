@@ -1,8 +1,8 @@
 """How far the footprints of the contacts of a state reach, with derivatives.
 
 A footprint is the part that pad and object share of their contact faces. It is looked at along rays from the contact
-point c to where the pad ends: along the straight line in which a flat pad touches a cylinder, or to the corners of a pad
-that lies on a flat face. A ray ends at a point e that is
+point c to where the pad ends: along the straight line in which a flat pad touches a cylinder, or to the corners of a
+pad that lies on a flat face. A ray ends at a point e that is
 
     fixed to the pad, a corner or the end of a line:     de = velocity of the pad at e,
     where a line c + t d of the object crosses a rim     de = dc - d (a . (dc - velocity of the pad at e)) / (a . d)

@@ -24,9 +24,9 @@ def approach_cone(task: TaskDescription, T_world_object: Array) -> Cone | None:
 
 
 def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
-    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by what the task asks for.
+    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task.
 
-    That is a reserve of the arm joints that have limits, and ranges.
+    The task asks for a reserve of the arm joints that have limits, and for ranges.
 
     The range of a joint whose whole turns do not count is moved by turns until its middle is within half a turn of
     zero: a range of less than a turn then lies within the +-2 pi that the model gives such a joint.

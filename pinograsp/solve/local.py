@@ -29,7 +29,7 @@ class SolverOptions:
     """Name of a backend."""
     max_evaluations: int | None = None
     """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA."""
-    tries: int = 2
+    tries: int = 3
     """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""

@@ -1,9 +1,9 @@
 """The last digits of a grasp: contact and balance as exact as rounding allows.
 
-A solver stops when constraints hold to a micrometre. Then pads and surface are tilted against each other by as much, and a
-wrench is balanced by forces along slightly different normals than the ones that are reported. Newton's method on the
-equations c(x) = 0 of contact, tangency and balance takes the least step (in the units of the variables) that meets
-them, with variables that are at a bound held there:
+A solver stops when constraints hold to some micrometres. Then pads and surface are tilted against each other by as
+much, and a wrench is balanced by forces along slightly different normals than the ones that are reported. Newton's
+method on the equations c(x) = 0 of contact, tangency and balance takes the least step (in the units of the variables)
+that meets them, with variables that are at a bound held there:
 
     x <- x - D (J D)^+ c(x)
 

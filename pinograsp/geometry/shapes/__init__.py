@@ -1,7 +1,8 @@
 """Geometry of the shapes of a scene: one file a shape, registered in `SURFACES`.
 
 A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, its contact
-faces, the least width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and triangles.
+faces, the least width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and
+triangles.
 """
 
 from __future__ import annotations

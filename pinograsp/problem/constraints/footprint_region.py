@@ -1,8 +1,8 @@
 """Footprint region: all that pad and object touch is in the part of the surface where contact may be, (14).
 
-The paper asks this of the contact point alone (`contact_region`). Here every ray of a footprint counts, at its end, and at
-some points on the way if the region is not convex. A ray that the object ends has no slope where it ends, so that its
-row reads
+The paper asks this of the contact point alone (`contact_region`). Here every ray of a footprint counts, at its end, and
+at some points on the way if the region is not convex. A ray that the object ends has no slope where it ends, so that
+its row reads
 
     inside by INACTIVE      if the last points of the footprint there are in the region,
     membership of its end   if they are not: what moves the pad away from there is then known.
