@@ -26,6 +26,8 @@ from .state import State
 
 PARALLEL = math.sin(math.radians(1.0))
 """Two straight lines whose angle has a sine below this touch along a line, others at a point."""
+EDGE = 1e-7
+"""A rim that is nearer to the contact point than this counts as so far away, m: a line along a rim stays whole."""
 RAYS = {PlanePatch: 4, LinePatch: 4, CylinderPatch: 2}
 """Rays at most from a contact on each kind of patch; none from others, which touch at a point."""
 
@@ -142,7 +144,8 @@ def _crossings(
                 along += sign * R[k, axis] * d[k]
                 at += R[k, axis] * (c[k] - origin[k])
             if along != 0.0:
-                t = max(0.0, (rectangle[axis, 1 if along > 0.0 else 0] - at) / along)
+                room = rectangle[axis, 1] - at if along > 0.0 else at - rectangle[axis, 0]
+                t = max(EDGE, room) / abs(along)
                 if t < reaches[side]:
                     reaches[side], rim, slope = t, axis, sign * along
         ends[side] = c + sign * reaches[side] * d
