@@ -1,4 +1,4 @@
-"""Footprints as the optimiser sees them: contact faces, rays beside the check's own footprints, regions kept by them."""
+"""Footprints of contacts, their depth in regions, rims of pads and edges of objects; all by the independent check."""
 
 from __future__ import annotations
 
@@ -7,223 +7,292 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Array, agree
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from places import changed, project, random_starts
+from numpy.typing import NDArray
 from pydantic import TypeAdapter
-from scipy.spatial.transform import Rotation
+from test_regions import READ, REGIONS
 
-import pinograsp
-from pinograsp.descriptions import SceneDescription
-from pinograsp.descriptions.regions import Region
-from pinograsp.descriptions.shapes import Shape
-from pinograsp.geometry.contact_faces import Flat, Ruling, Spot, clipped, edge_distance
-from pinograsp.geometry.regions import is_convex
-from pinograsp.geometry.shapes import surface_of
-from pinograsp.kinematics.robot import RobotModel
-from pinograsp.problem import GraspProblem, State, TaskModel
-from pinograsp.problem.footprint import rays
-from pinograsp.solve.projection import nearest_assignment
-from pinograsp.verification.footprint import footprint
-from pinograsp.verification.patches import pad_face
-from pinograsp.verification.shapes import GEOMETRY
+from pinograsp.descriptions.patches import Patch
+from pinograsp.descriptions.scene import Body
+from pinograsp.verification.footprint import footprint, thinned
+from pinograsp.verification.patches import contact_face, rim_distance
+from pinograsp.verification.region_depth import RESOLUTION, least_depth
+from pinograsp.verification.regions import depth
+from pinograsp.verification.shapes import PlacedShape
 
-SHAPE = TypeAdapter(Shape)
-CAN = SHAPE.validate_python({"type": "cylinder", "radius": 0.04, "height": 0.1})
-BOX = SHAPE.validate_python({"type": "box", "size": [0.02, 0.04, 0.06]})
+Array = NDArray[np.float64]
+UP = np.array([0.0, 0.0, 1.0])
+FRAME = {"origin": [0, 0, 0], "normal": [0, 0, 1], "x_axis": [1, 0, 0]}
 
 
-# ---- contact faces
+def patch(**keys: Any) -> Any:
+    return TypeAdapter(Patch).validate_python(FRAME | keys)
 
 
-def test_a_ball_touches_at_a_spot_without_edges() -> None:
-    face = surface_of(SHAPE.validate_python({"type": "sphere", "radius": 0.03})).contact_face(np.array([0.03, 0, 0]))
-    assert face == Spot()
-    assert edge_distance(face, np.array([0.03, 0, 0]))[0] == math.inf
+def placed(shape: dict[str, Any], **pose: Any) -> PlacedShape:
+    return PlacedShape("thing", Body.model_validate({"shape": shape, "pose": pose}))
 
 
-def test_the_side_of_a_can_is_ruled_from_cap_to_cap() -> None:
-    face = surface_of(CAN).contact_face(np.array([0.0, 0.04, 0.02]))
-    assert isinstance(face, Ruling)
-    np.testing.assert_allclose([*face.direction, face.low, face.high], [0, 0, 1, -0.07, 0.03])
-    distance, gradient = edge_distance(face, np.array([0.0, 0.04, 0.02]))
-    assert distance == pytest.approx(0.03)
-    np.testing.assert_allclose(gradient, [0, 0, -1])
+PLANE = patch(type="plane", u=[-0.02, 0.02], v=[-0.01, 0.01])
+CAN = {"type": "cylinder", "radius": 0.04, "height": 0.1}
+BOX = {"type": "box", "size": [0.1, 0.2, 0.3]}
 
 
-def test_a_cap_is_flat_and_its_polygon_holds_the_disc() -> None:
-    face = surface_of(CAN).contact_face(np.array([0.01, 0.0, -0.05]))
-    assert isinstance(face, Flat)
-    assert np.allclose(face.normal, [0, 0, -1])
-    angles = np.linspace(0.0, 2 * math.pi, 200)
-    rim = np.column_stack([0.04 * np.cos(angles), 0.04 * np.sin(angles), np.full(200, -0.05)])
-    room = face.room(rim).min(axis=1)
-    assert room.min() > -1e-12  # holds it,
-    assert room.max() < 1e-4  # closely
+def area(polygon: Array) -> float:
+    x, y = polygon[:, 0], polygon[:, 1]
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
 
-@given(point=st.tuples(*[st.floats(-0.9, 0.9)] * 2), axis=st.integers(0, 2), side=st.sampled_from([-1.0, 1.0]))
-def test_faces_of_a_box_run_round_their_normals_and_have_four_edges(
-    point: tuple[float, float], axis: int, side: float
-) -> None:
-    half = np.array([0.01, 0.02, 0.03])
-    at = np.insert(np.array(point), axis, side) * half
-    face = surface_of(BOX).contact_face(at)
-    assert isinstance(face, Flat)
-    first, second = face.corners[1] - face.corners[0], face.corners[2] - face.corners[1]
-    assert np.cross(first, second) @ face.normal > 0.0
-    assert face.normal[axis] == side
-    expected = np.delete(half - np.abs(at), axis).min()
-    distance, gradient = edge_distance(face, at)
-    assert distance == pytest.approx(expected, abs=1e-12)
-    assert edge_distance(face, at + 1e-6 * gradient)[0] > distance - 1e-12
+def on_the_pad(shape: dict[str, Any], position: Any, rpy: Any, point: Any = (0.0, 0.0, 0.0), pad: Any = PLANE) -> Array:
+    """Return the footprint on a pad that faces up, of a shape above it."""
+    body = placed(shape, position=list(position), rpy=list(rpy))
+    at = np.array(point, dtype=float)
+    return footprint(contact_face(pad, at), body.face(at), at, -body.inward(at))
 
 
-def square(size: float, center: tuple[float, float], turn: float = 0.0) -> Flat:
-    corners = 0.5 * size * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
-    return Flat(Rotation.from_euler("z", turn).apply(corners) + [*center, 0.0], np.array([0.0, 0, 1]))
+def ends(line: Array) -> list[tuple[float, ...]]:
+    return sorted(tuple(np.round(end, 9).tolist()) for end in line)
 
 
-def area(corners: Array) -> float:
-    ahead = np.roll(corners, -1, axis=0)
-    return 0.5 * float((corners[:, 0] * ahead[:, 1] - ahead[:, 0] * corners[:, 1]).sum())
+# ---- what touches
 
 
-def test_polygons_are_clipped_to_what_they_share() -> None:
-    assert area(clipped(square(2.0, (0, 0)), square(2.0, (1.0, 0.5)))) == pytest.approx(1.5)
-    assert area(clipped(square(1.0, (0, 0)), square(4.0, (0, 0), 0.3))) == pytest.approx(1.0)
-    octagon = clipped(square(2.0, (0, 0)), square(2.0, (0, 0), math.pi / 4))
-    assert len(octagon) == 8
-    assert area(octagon) == pytest.approx(8 * math.tan(math.pi / 8))
-    assert len(clipped(square(1.0, (0, 0)), square(1.0, (3.0, 0)))) == 0
+def test_a_sphere_touches_in_a_point() -> None:
+    found = on_the_pad({"type": "sphere", "radius": 0.03}, (0.01, 0.0, 0.03), (0, 0, 0), (0.01, 0.0, 0.0))
+    np.testing.assert_allclose(found, [[0.01, 0.0, 0.0]], atol=1e-15)
 
 
-CONVEX = {"type": "band", "z": [-0.1, 0.1]}
-HOLE = {"type": "outside", "part": {"type": "ball", "center": [0, 0, 0], "radius": 0.01}}
-HALF = {"type": "half_space", "normal": [0, 0, 1], "offset": 0.0}
+@pytest.mark.parametrize(
+    ("turn", "position", "expected"),
+    [
+        (0.0, (0.0, 0.0), [(-0.02, 0.0, 0.0), (0.02, 0.0, 0.0)]),  # the pad ends first
+        (0.0, (0.04, 0.005), [(-0.01, 0.005, 0.0), (0.02, 0.005, 0.0)]),  # the can ends first on one side
+        (math.pi / 2, (0.0, 0.0), [(0.0, -0.01, 0.0), (0.0, 0.01, 0.0)]),
+        (math.pi / 4, (0.0, 0.0), [(-0.01, -0.01, 0.0), (0.01, 0.01, 0.0)]),
+    ],
+)
+def test_the_side_of_a_can_touches_along_a_line(turn: float, position: Any, expected: Any) -> None:
+    point = (0.0, position[1], 0.0)
+    found = on_the_pad(CAN, (*position, 0.04), (0.0, math.pi / 2, turn), point)
+    np.testing.assert_allclose(ends(found), expected, atol=1e-9)
+
+
+def test_flat_faces_touch_over_an_area() -> None:
+    corner = on_the_pad(BOX, (0.06, 0.0, 0.15), (0, 0, 0), (0.015, 0.0, 0.0))  # from x = 0.01 on
+    assert area(corner) == pytest.approx(0.01 * 0.02)
+    np.testing.assert_allclose(corner.min(axis=0), [0.01, -0.01, 0.0], atol=1e-12)
+    cap = on_the_pad(CAN, (0.0, 0.0, 0.05), (0, 0, 0))
+    assert area(cap) == pytest.approx(0.04 * 0.02)
+    small = on_the_pad(CAN | {"radius": 0.005}, (0.01, 0.0, 0.05), (0, 0, 0), (0.01, 0.0, 0.0))
+    assert area(small) == pytest.approx(math.pi * 0.005**2, rel=1e-4)
+    half = on_the_pad(CAN | {"radius": 0.005}, (0.02, 0.0, 0.05), (0, 0, 0), (0.02, 0.0, 0.0))
+    assert area(half) == pytest.approx(math.pi * 0.005**2 / 2, rel=1e-4)
+
+
+@pytest.mark.parametrize(("degrees", "corners"), [(0.0, 2), (0.9, 2), (1.1, 1), (90.0, 1)])
+def test_lines_touch_along_a_line_if_they_are_parallel(degrees: float, corners: int) -> None:
+    pad = patch(type="cylinder", radius=0.01, u=[-0.02, 0.02], v=[-1.0, 1.0])
+    point = np.array([0.005, 0.0, 0.01])
+    found = on_the_pad(CAN, (0.0, 0.0, 0.05), (0.0, math.pi / 2, math.radians(degrees)), point, pad)
+    assert len(found) == corners
+    if corners == 2:
+        np.testing.assert_allclose(np.linalg.norm(found[1] - found[0]), 0.04, rtol=1e-3)
+
+
+def test_a_line_with_a_width_is_a_rectangle() -> None:
+    narrow, wide = (patch(type="line", u=[-0.01, 0.03], width=width) for width in (0.0, 0.006))
+    assert area(on_the_pad(BOX, (0.0, 0.0, 0.15), (0, 0, 0), pad=wide)) == pytest.approx(0.04 * 0.006)
+    np.testing.assert_allclose(
+        ends(on_the_pad(BOX, (0.0, 0.0, 0.15), (0, 0, 0), pad=narrow)), [(-0.01, 0.0, 0.0), (0.03, 0.0, 0.0)]
+    )
+
+
+def test_a_line_along_the_rim_stays_whole() -> None:
+    """A can that lies along the rim of the pad, 0.01 um outside of it."""
+    found = on_the_pad(CAN, (0.0, 0.01 + 1e-8, 0.04), (0.0, math.pi / 2, 0.0), (0.0, 0.01 + 1e-8, 0.0))
+    np.testing.assert_allclose(ends(found), [(-0.02, 0.01, 0.0), (0.02, 0.01, 0.0)], atol=2e-8)
+
+
+@settings(max_examples=200)
+@given(st.integers(0, 2**32 - 1))
+def test_two_areas_have_their_common_points(seed: int) -> None:
+    """Points of the plane are in the footprint if they are in both faces; by sides of triangles of the corners."""
+    rng = np.random.default_rng(seed)
+    angles = [np.sort(rng.uniform(0.0, 2 * math.pi, count)) for count in rng.integers(3, 40, 2)]
+    faces = [
+        np.column_stack([np.cos(a), np.sin(a), 0 * a]) * 0.02 + rng.uniform(-0.01, 0.01, 3) * [1, 1, 0] for a in angles
+    ]
+    points = np.column_stack([rng.uniform(-0.03, 0.03, (300, 2)), np.zeros(300)])
+    common = inside(faces[0], points) & inside(faces[1], points)
+    if not common.any():
+        return
+    start = points[np.flatnonzero(common)[0]]
+    for given_faces in (faces, faces[::-1]):
+        found = footprint(given_faces[0][:: rng.choice([-1, 1])], given_faces[1], start, UP)
+        assert len(found) >= 3
+        np.testing.assert_array_equal(inside(found, points), common)
+
+
+def inside(polygon: Array, points: Array) -> NDArray[np.bool_]:
+    along = np.roll(polygon, -1, axis=0) - polygon
+    turns = along[:, 0] * (points[:, None, 1] - polygon[:, 1]) - along[:, 1] * (points[:, None, 0] - polygon[:, 0])
+    return np.asarray((turns > 0).all(axis=1) | (turns < 0).all(axis=1))
+
+
+SHAPES = st.sampled_from([CAN, BOX, {"type": "sphere", "radius": 0.03}])
+PADS = st.sampled_from(
+    [
+        PLANE,
+        patch(type="line", u=[-0.01, 0.02]),
+        patch(type="line", u=[-0.01, 0.02], width=0.01),
+        patch(type="cylinder", radius=0.01, u=[-0.02, 0.02], v=[-1.0, 1.0]),
+        patch(type="sphere", radius=0.01, u=[-1.0, 1.0], v=[-1.0, 1.0]),
+    ]
+)
+
+
+@settings(max_examples=300)
+@given(
+    SHAPES,
+    PADS,
+    st.lists(st.floats(-4, 4), min_size=6, max_size=6),
+    st.lists(st.floats(-0.2, 0.2), min_size=3, max_size=3),
+)
+def test_whatever_is_claimed_has_a_finite_footprint_with_the_point(shape: Any, pad: Any, pose: Any, at: Any) -> None:
+    body, point = placed(shape, position=[0.05 * c for c in pose[:3]], rpy=pose[3:]), np.array(at)
+    normal = -body.inward(point)
+    if not np.isfinite(normal).all():
+        return
+    found = footprint(contact_face(pad, point), body.face(point), point, normal)
+    assert np.isfinite(found).all()
+    np.testing.assert_allclose((found - point) @ normal, 0.0, atol=1e-12)
+    # In its plane the point is in the hull of the footprint: no direction separates it.
+    for direction in np.random.default_rng(0).normal(size=(20, 3)):
+        assert ((found - point) @ direction).max() >= -2e-7
+
+
+def test_large_footprints_are_thinned() -> None:
+    circle = np.array([[math.cos(a), math.sin(a), 0.0] for a in np.arange(100) * 2 * math.pi / 100])
+    few = thinned(circle, 8)
+    assert len(few) == 8
+    assert area(few) > 0.89 * area(circle)
+    assert thinned(few, 8) is few
+
+
+# ---- how deep in a region
+
+
+@settings(max_examples=150, deadline=None)
+@given(REGIONS, st.integers(0, 2**32 - 1))
+def test_least_depth_of_a_triangle(region: dict[str, Any], seed: int) -> None:
+    read, rng = READ.validate_python(region), np.random.default_rng(seed)
+    corners = rng.uniform(-0.05, 0.05, (3, 3))
+    shares = np.array([(i, j, 30 - i - j) for i in range(31) for j in range(31 - i)]) / 30
+    sampled = min(depth(read, point) for point in shares @ corners)
+    spacing = max(float(np.linalg.norm(corners[i] - corners[i - 1])) for i in range(3)) / 30
+    assert sampled - 3.5 * spacing - RESOLUTION <= least_depth(read, corners) <= sampled + 1e-12
+
+
+@settings(max_examples=150, deadline=None)
+@given(REGIONS, st.integers(0, 2**32 - 1))
+def test_least_depth_is_that_of_the_least_deep_point(region: dict[str, Any], seed: int) -> None:
+    """Never more than at any of many points, and no less than their spacing explains."""
+    read, rng = READ.validate_python(region), np.random.default_rng(seed)
+    corners = rng.uniform(-0.05, 0.05, (2, 3))
+    found = least_depth(read, corners)
+    shares = np.linspace(0.0, 1.0, 1001)[:, None]
+    sampled = min(depth(read, point) for point in corners[0] + shares * (corners[1] - corners[0]))
+    spacing = float(np.linalg.norm(corners[1] - corners[0])) / 1000
+    assert sampled - 3.5 * spacing - RESOLUTION <= found <= sampled + 1e-12
 
 
 @pytest.mark.parametrize(
     ("region", "expected"),
     [
-        (CONVEX, True),
-        (HOLE, False),
-        ({"type": "outside", "part": HALF}, True),
-        ({"type": "all_of", "parts": [CONVEX, HALF]}, True),
-        ({"type": "all_of", "parts": [CONVEX, HOLE]}, False),
-        ({"type": "any_of", "parts": [CONVEX, HALF]}, False),
-        ({"type": "any_of", "parts": [HALF]}, True),
-        ({"type": "sector", "middle": 0.0, "half_width": 1.5}, True),
-        ({"type": "sector", "middle": 0.0, "half_width": 1.7}, False),
+        ({"type": "band", "z": [-1.0, 0.03]}, 0.01),  # at a corner
+        ({"type": "outside", "part": {"type": "ball", "center": [0.0, 0.0, 0.03], "radius": 0.01}}, 0.02 - 0.01 + 0.01),
+        ({"type": "outside", "part": {"type": "ball", "center": [0.0, 0.0, 0.01], "radius": 0.002}}, -0.002),
+        ({"type": "outside", "part": {"type": "band", "z": [0.0, 0.01]}}, -0.005),  # all along a line in the middle
+        (
+            {"type": "any_of", "parts": [{"type": "band", "z": [-1.0, 0.0]}, {"type": "band", "z": [0.004, 1.0]}]},
+            -0.002,
+        ),
     ],
 )
-def test_which_regions_are_known_to_be_convex(region: dict[str, Any], expected: bool) -> None:
-    assert is_convex(TypeAdapter(Region).validate_python(region)) is expected
+def test_least_depth_of_an_area(region: Any, expected: float) -> None:
+    """A rectangle 0.04 x 0.04 in the plane x = 0, z from -0.02 to 0.02; the least depth lies inside of it."""
+    corners = np.array([[0.0, y, z] for y, z in ((-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02))])
+    if expected == pytest.approx(0.02):
+        expected = 0.0  # the ball ends where the rectangle does
+    found = least_depth(READ.validate_python(region), corners)
+    assert expected - 1e-5 <= found <= expected + 1e-12
 
 
-# ---- rays
+def test_a_sector_is_left_in_the_middle_of_a_face() -> None:
+    """The corners of a face are outside of a narrow forbidden sector, the middle is not."""
+    face = np.array([[0.05, y, z] for y, z in ((-0.02, -0.1), (0.02, -0.1), (0.02, 0.1), (-0.02, 0.1))])
+    narrow = READ.validate_python({"type": "outside", "part": {"type": "sector", "middle": 0.0, "half_width": 0.1}})
+    assert min(depth(narrow, corner) for corner in face) > 0.01
+    assert -0.1 * 0.05 - 1e-5 <= least_depth(narrow, face) <= -0.1 * 0.05 + 1e-6
 
 
-def projected(model: TaskModel, seed: int) -> State:
-    """Return a state in which pads and object touch."""
-    problem = GraspProblem(model, (0, 1))
-    [start] = random_starts(model, 1, seed)
-    x = np.concatenate([start, 0.5 * (problem.lower + problem.upper)[model.robot.posture_size :]])
-    problem = GraspProblem(model, nearest_assignment(model, problem.state(x)))
-    return problem.state(project(problem, x, "contacts"))
+# ---- rims and edges
 
 
-@pytest.fixture(scope="module", params=["side", "cap", "box", "paper"])
-def touching(
-    request: pytest.FixtureRequest,
-    gen3: RobotModel,
-    paper_gen3: RobotModel,
-    can_scene: SceneDescription,
-) -> list[State]:
-    """Flat pads on the side and on the caps of a can and on a box, and the paper's on the side."""
-    robot, scene = paper_gen3 if request.param == "paper" else gen3, can_scene
-    if request.param == "cap":
-        shape, desired = {"type": "cylinder", "radius": 0.013, "height": 0.05}, [[0, 0.004, 0.025], [0, 0.004, -0.025]]
-        scene = changed(changed(scene, "objects", "can", shape=shape), "tasks", "can", desired_contacts=desired)
-    if request.param == "box":
-        shape, desired = {"type": "box", "size": (0.05, 0.02, 0.06)}, [[0.025, 0.005, 0.02], [-0.025, 0.005, 0.02]]
-        scene = changed(changed(scene, "objects", "can", shape=shape), "tasks", "can", desired_contacts=desired)
-    model = TaskModel(robot, scene, "can")
-    return [projected(model, seed) for seed in range(3)]
+@pytest.mark.parametrize(
+    ("pad", "point", "expected"),
+    [
+        (PLANE, (0.015, 0.002, 0.0), 0.005),
+        (PLANE, (0.0, -0.012, 0.0), -0.002),
+        (patch(type="line", u=[-0.01, 0.02]), (0.018, 0.0, 0.0), 0.002),
+        (patch(type="line", u=[-0.01, 0.02], width=0.006), (0.012, 0.0, 0.0), 0.003),
+        (
+            patch(type="cylinder", radius=0.01, u=[-0.02, 0.02], v=[-1, 1]),
+            (0.0, 0.01 * math.sin(0.8), 0.01 * math.cos(0.8)),
+            0.002,
+        ),
+        (patch(type="cylinder", radius=0.01, u=[-0.02, 0.02], v=[-math.pi, math.pi]), (0.01, 0.0, -0.01), 0.01),
+        (
+            patch(type="sphere", radius=0.02, u=[-1, 1], v=[-0.5, 0.5]),
+            (0.02 * math.sin(0.9), 0.0, 0.02 * math.cos(0.9)),
+            0.002,
+        ),
+        (
+            patch(type="sphere", radius=0.02, u=[-1, 1], v=[-0.5, 0.5]),
+            (0.0, 0.02 * math.sin(0.4), 0.02 * math.cos(0.4)),
+            0.002,
+        ),
+    ],
+)
+def test_rims(pad: Any, point: Any, expected: float) -> None:
+    assert rim_distance(pad, np.array(point, dtype=float)) == pytest.approx(expected)
 
 
-def of_the_check(state: State, pad: int) -> Array:
-    """Return the vertices of a footprint as the verification finds them."""
-    model, point = state.model, state.contacts.points[pad]
-    T = model.T_world_object
-    geometry = GEOMETRY[type(model.scene.objects[model.task.object].shape)](
-        model.scene.objects[model.task.object].shape
-    )
-    on_object = geometry.contact_face(T[:3, :3].T @ (point - T[:3, 3])) @ T[:3, :3].T + T[:3, 3]
-    described = model.robot.pads[pad]
-    R = state.configuration.rotations[described.joint]
-    origin = R @ described.translation + state.configuration.translations[described.joint]
-    R = R @ described.rotation
-    on_pad = pad_face(described.patch, R.T @ (point - origin)) @ R.T + origin
-    return footprint(on_pad, on_object, point, state.surface[1][pad])
+@pytest.mark.parametrize(
+    ("shape", "point", "expected"),
+    [
+        (CAN, (0.04, 0.0, 0.045), 0.005),
+        (CAN, (0.0, 0.03, -0.05), 0.01),
+        (BOX, (0.05, 0.09, 0.0), 0.01),
+        (BOX, (0.02, 0.0, -0.15), 0.03),
+        ({"type": "sphere", "radius": 0.03}, (0.0, 0.0, 0.03), math.inf),
+    ],
+)
+def test_edges(shape: Any, point: Any, expected: float) -> None:
+    assert placed(shape).edge(np.array(point)) == pytest.approx(expected)
 
 
-def test_rays_end_where_the_footprints_of_the_check_do(touching: list[State]) -> None:
-    for state in touching:
-        for pad in range(2):
-            expected, found = of_the_check(state, pad), []
-            for ray in rays(state, pad):
-                found += [ray.end] if ray.last is None else list(ray.last)
-            apart = np.linalg.norm(expected[:, None] - np.array(found)[None], axis=2)
-            # The cap of a can is a polygon here and there.
-            assert apart.min(axis=1).max() < 3e-4 if len(expected) > 8 else 2e-5
-            if len(expected) == 2:
-                assert apart.min(axis=0).max() < 2e-5
-
-
-def test_the_derivatives_of_rays(touching: list[State]) -> None:
-    for state in touching:
-        problem = GraspProblem(state.model, (0, 1))
-        for pad in range(2):
-            for number, ray in enumerate(rays(state, pad)):
-                agree(
-                    ray.d_end,
-                    lambda x, pad=pad, number=number: rays(problem.state(x), pad)[number].end,  # type: ignore[misc]
-                    state.x,
-                    floor=1.0,
-                )
-
-
-# ---- plans
-
-
-def edges(result: pinograsp.Result) -> list[float]:
-    return [grasp.certificate["contact region"].value for grasp in result.grasps]
-
-
-def test_footprints_stay_in_the_ring_that_is_allowed(gen3: RobotModel, can_scene: SceneDescription) -> None:
-    result = pinograsp.plan(gen3, can_scene, "can_region", starts=12, workers=2)
-    assert result.reliable >= 11
-    assert result.refuted == 0
-    assert min(edges(result)) > -1e-6
-    heights = [contact.point[2] - 0.034 for grasp in result.grasps for contact in grasp.contacts]
-    assert min(heights) > can_scene.objects["can"].pose.position[2]
-
-
-def test_a_point_may_be_inside_where_its_footprint_is_not(gen3: RobotModel, can_scene: SceneDescription) -> None:
-    by_point = changed(can_scene, "tasks", "can_region", contact_regions="point")
-    result = pinograsp.plan(gen3, by_point, "can_region", starts=6, workers=2)
-    assert result.reliable == 6
-    strict = pinograsp.Verifier(gen3.description, can_scene, "can_region")
-    outside = [strict.check(grasp.claim)["contact region"].value for grasp in result.grasps]
-    assert min(outside) < -1e-3
-
-
-@settings(deadline=None, max_examples=5)
-@given(rim=st.floats(0.0005, 0.004))
-def test_contacts_keep_their_reserve_from_rims(gen3: RobotModel, can_scene: SceneDescription, rim: float) -> None:
-    scene = changed(can_scene, "tasks", "can", reserve={"rim": rim})
-    grasps = list(pinograsp.Planner(gen3, scene).grasps("can", most=1))
-    assert grasps[0].certificate["pad rim"].value >= rim - 2e-6
-    assert grasps[0].certificate["surface edge"].value >= rim - 2e-5
+@settings(max_examples=100)
+@given(SHAPES, st.lists(st.floats(-1, 1), min_size=3, max_size=3).filter(lambda v: np.linalg.norm(v) > 0.1))
+def test_faces_lie_on_the_surface_in_its_tangent_plane(shape: Any, direction: Any) -> None:
+    """From the point of the surface below a random one: every corner is on the surface, and none above the plane."""
+    body = placed(shape, position=[0.1, 0.2, 0.3], rpy=[0.1, 0.2, 0.3])
+    outside = body.center + 0.3 * np.array(direction) / np.linalg.norm(direction)
+    point = outside + 0.0 * body.inward(outside)
+    for _ in range(50):  # along the normal of the nearest face, until it is on the surface
+        point = point + body.distance(point) * body.inward(point)
+    inward = body.inward(point)
+    for corner in body.face(point):
+        assert abs(body.distance(corner)) < 1e-9
+        assert abs((corner - body.face(point)[0]) @ inward) < 1e-9

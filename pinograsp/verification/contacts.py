@@ -100,8 +100,8 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
 
 def footprints(points: Array, inward: Array, pads: Pads, target: PlacedShape) -> list[Array]:
     """Return the footprint of each contact, world, shape (k, 3) each, m; for the arguments see `contact_figures`."""
-    # Where the object has no normal, far inside, the pad's will do: such a contact is refuted anyway.
-    normals = np.where(np.isfinite(inward).all(axis=1, keepdims=True), inward, pads.nearest(points)[1])
+    # Where the object has no normal, on its axis, the pad's will do: such a contact is refuted anyway.
+    normals = inward if np.isfinite(inward).all() else pads.nearest(points)[1]
     faces = zip(pads.faces(points), points, normals, strict=True)
     return [footprint(face, target.face(point), point, normal) for face, point, normal in faces]
 

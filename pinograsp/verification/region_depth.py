@@ -43,7 +43,7 @@ def least_depth(region: described.Region, vertices: Array) -> float:
         floor = min(floor, best, float(lower[~going].min(initial=math.inf)))
         if 2 * np.count_nonzero(going) > CELLS:
             return min(floor, float(lower.min()))
-        cells = _halved(cells[going])
+        cells = _halved(region, cells[going])
     return floor
 
 
@@ -118,13 +118,20 @@ def _fan(corners: Array) -> Array:
     return np.stack([first, corners[1:-1], corners[2:]], axis=1)
 
 
-def _halved(cells: Array) -> Array:
-    """Return cells cut through the middle of their longest edges."""
+def _halved(region: described.Region, cells: Array) -> Array:
+    """Return cells cut through the middle of the edges along which their depths are least certain.
+
+    Edges of equal depth stay whole that way: along a border of the region few cells are wanted.
+    """
     if cells.shape[1] == 2:
         middle = cells.mean(axis=1)
         return np.concatenate([np.stack([cells[:, 0], middle], axis=1), np.stack([middle, cells[:, 1]], axis=1)])
-    edges = np.linalg.norm(np.roll(cells, -1, axis=1) - cells, axis=2)
-    order = (edges.argmax(axis=1)[:, None] + np.arange(3)) % 3
+    edges = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
+    lower, upper = _bounds(region, edges.reshape(-1, 2, 3))
+    lengths = np.linalg.norm(edges[:, :, 1] - edges[:, :, 0], axis=2)
+    # Of two edges that are about as uncertain the shorter one.
+    doubt = (upper - lower).reshape(-1, 3) * (1.0 - 0.1 * lengths / lengths.max(axis=1, keepdims=True))
+    order = (doubt.argmax(axis=1)[:, None] + np.arange(3)) % 3
     a, b, c = np.take_along_axis(cells, order[:, :, None], axis=1).transpose(1, 0, 2)
     middle = 0.5 * (a + b)
     return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])

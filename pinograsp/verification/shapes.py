@@ -59,7 +59,7 @@ class Geometry(Protocol):
         """
 
     def edge(self, point: Array) -> float:
-        """Distance of `point` from the edges of the face that it lies on, negative beyond; inf if it has none."""
+        """Distance of `point` from the edges of the face that it lies on; inf if the face has none."""
 
 
 class SphereGeometry:
