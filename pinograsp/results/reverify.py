@@ -14,8 +14,10 @@ from ..descriptions import robot_for
 from ..errors import InputError
 from ..verification import Claim, Verifier
 from .encoding import encode_grasp
-from .grasp import Cost, Grasp, Result
+from .grasp import Cost, Grasp
 from .provenance import file_hashes
+from .ranking import default_order
+from .result import Result
 from .setup import Setup
 
 RELATIVE, ABSOLUTE = 1e-9, 1e-12
@@ -42,6 +44,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
 
     - every figure of the certificates;
     - U, Phi and V, arm joints, synergies, normals and desired points, pads and links;
+    - the wrist's pose;
     - the order of the grasps and the numbers of starts;
     - the hashes of the robot's files.
 
@@ -81,12 +84,19 @@ def _of_the_whole(result: Result) -> Iterator[Difference]:
     for what, (number, recounted) in sums.items():
         if number != recounted:
             yield Difference(None, what, number, recounted)
-    costs = [grasp.cost.U for grasp in result.grasps]
-    for number, (U, before) in enumerate(zip(costs[1:], costs, strict=False), 2):
-        if before > U:
-            yield Difference(number, "place in the list", U, f"before grasp {number - 1}, whose U is greater")
+    yield from _of_the_order(result)
     if result.done > result.starts:
         yield Difference(None, "starts", result.starts, result.done)
+
+
+def _of_the_order(result: Result) -> Iterator[Difference]:
+    """Yield the grasps that stand behind one that they should stand before.
+
+    U and figures are the stated ones: they are the recomputed ones, but for rounding errors, or differ themselves.
+    """
+    places = np.argsort(default_order(result.grasps))
+    for index in np.flatnonzero(np.diff(places) < 0) + 1:
+        yield Difference(int(index) + 1, "place in the list", int(index) + 1, int(places[index]) + 1)
 
 
 def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> Iterator[Difference]:
@@ -123,6 +133,7 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
             for contact, pad, normal, point in zip(contacts, pads, derived.normals, desired, strict=True)
         ),
         certificate=certificate,
+        T_world_wrist=derived.T_world_wrist,
     )
 
 
