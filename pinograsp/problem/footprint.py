@@ -137,7 +137,7 @@ def _crossings(
     reaches, ends, d_ends = np.empty(2), np.empty((2, 3)), np.empty((2, 3, d_c.shape[1]))
     for side in range(2):
         sign = -1.0 if side == 0 else 1.0
-        reaches[side], rim, slope = np.inf, 0, 0.0
+        reaches[side], rim, slope, moving = np.inf, 0, 1.0, False
         for axis in range(2):
             along, at = 0.0, 0.0
             for k in range(3):
@@ -147,13 +147,14 @@ def _crossings(
                 room = rectangle[axis, 1] - at if along > 0.0 else at - rectangle[axis, 0]
                 t = max(EDGE, room) / abs(along)
                 if t < reaches[side]:
-                    reaches[side], rim, slope = t, axis, sign * along
+                    reaches[side], rim, slope, moving = t, axis, sign * along, room > EDGE
         ends[side] = c + sign * reaches[side] * d
         moves = _velocities(ends[side], c, linear, angular, B, d_c.shape[1])
         for variable in range(d_c.shape[1]):
             across = 0.0
-            for k in range(3):
-                across += R[k, rim] * (d_c[k, variable] - moves[k, variable])
+            if moving:
+                for k in range(3):
+                    across += R[k, rim] * (d_c[k, variable] - moves[k, variable])
             for k in range(3):
                 d_ends[side, k, variable] = d_c[k, variable] - d[k] * across / slope
     return reaches, ends, d_ends

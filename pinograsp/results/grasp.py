@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ..arrays import Array
 from ..verification.certificate import Certificate
+from ..verification.claim import Claim
 from .setup import Setup
 
 
@@ -64,3 +67,13 @@ class Grasp:
     setup: Setup | None = field(default=None, repr=False)
     """Robot, scene and task that it belongs to; every grasp of a result has them. None on the way there: worker
     processes do not send them with each grasp."""
+
+    @property
+    def claim(self) -> Claim:
+        """What the check proves or refutes: joints, contact points and forces."""
+        return Claim(
+            joints=self.joints,
+            points=np.array([contact.point for contact in self.contacts]),
+            forces=np.array([contact.force for contact in self.contacts]),
+            spin_torques=np.array([contact.spin_torque for contact in self.contacts]),
+        )

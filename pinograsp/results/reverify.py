@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
-from ..verification import Claim, Verifier
+from ..verification import Verifier
 from .encoding import encode_grasp
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
@@ -113,12 +113,7 @@ def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> It
 def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     """Return the grasp that follows from the joints, contact points, forces and spin torques of another."""
     task, contacts = setup.scene.task(setup.task), grasp.contacts
-    claim = Claim(
-        joints=grasp.joints,
-        points=np.array([contact.point for contact in contacts]),
-        forces=np.array([contact.force for contact in contacts]),
-        spin_torques=np.array([contact.spin_torque for contact in contacts]),
-    )
+    claim = grasp.claim
     certificate, derived = verifier.check(claim), verifier.derive(claim)
     desired = _desired_points(setup, np.array([contact.desired_point for contact in contacts]))
     phi_mm2 = 1e6 * float(((claim.points - desired) ** 2).sum())
