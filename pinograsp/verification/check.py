@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,11 +18,12 @@ from .contacts import Pads, contact_figures, footprint_figure, footprints, regio
 from .derived import Derived
 from .force_cost import force_cost
 from .forces import balance_figures, force_figures
-from .jacobians import manipulability_figure
+from .jacobians import manipulability_figure, rate_of_twist
 from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
+from .resistance import Hold, hold_of, mass_of, resistance_figures
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
 from .standing_out import standing_out
@@ -53,6 +55,11 @@ class Verifier:
         self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
         self._center_of_mass = body.center_of_mass_world
+        self._mass = mass_of(body, self._task)
+        if self._task.withstand is not None and self._mass is None:
+            key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
+            raise InputError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
+        self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
@@ -72,12 +79,39 @@ class Verifier:
             InputError: a joint is missing, or there is not one contact a pad.
         """
         self._require_complete(claim)
-        numbers = [*claim.joints.values(), *claim.points.flat, *claim.forces.flat, *claim.spin_torques.flat]
-        if not (np.abs(numbers) < _LARGEST).all():  # false for nan too
-            figures = self._figures(self._rest())
-            where = "the claim holds numbers that are not finite"
-            return Certificate(tuple(replace(figure, value=math.nan, where=where) for figure in figures))
+        if not _finite(claim):
+            return Certificate(_unknown(self._figures(self._rest())))
         return Certificate(tuple(self._figures(claim)))
+
+    def resistance(self, claim: Claim) -> tuple[Figure, ...]:
+        """Compute how strongly the object may be accelerated, Q_force and Q_torque (see `resistance`).
+
+        None of them if neither the object nor the task's force gives a mass. Only a task that says what is to be
+        withstood has them in its certificates.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        if self._mass is None:
+            return ()
+        finite = _finite(claim)
+        figures = resistance_figures(self.hold(claim if finite else self._rest()), self._mass, self._task.withstand)
+        return figures if finite else _unknown(figures)
+
+    def hold(self, claim: Claim) -> Hold:
+        """Return what wrenches the contacts of a claim balance while the hand squeezes as planned.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        self._require_complete(claim)
+        poses = self._kinematics.poses(claim.joints)
+        pads = Pads.at(self._pads, poses)
+        inward = np.array([self._target.inward(point) for point in claim.points])
+        areas = footprints(claim.points, inward, pads, self._target)
+        rates = [rate_of_twist(self._kinematics.twists(pad.link, poses), self._rates) for pad in self._pads]
+        radius = self._target.radius_about(self._center_of_mass)
+        return hold_of(claim, pads, areas, rates, self._task, self._center_of_mass, radius)
 
     def derive(self, claim: Claim) -> Derived:
         """Recompute what a grasp reports besides its certificate.
@@ -129,7 +163,8 @@ class Verifier:
         figures += self._joints(claim.joints)
         arm = self._robot.arm
         figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
-        return [*figures, *self._preferences(claim, poses)]
+        figures += self._preferences(claim, poses)
+        return figures if self._task.withstand is None else [*figures, *self.resistance(claim)]
 
     def _joints(self, angles: dict[str, float]) -> list[Figure]:
         limits, joints = self._robot.limits, self._kinematics.joints
@@ -208,6 +243,16 @@ class Verifier:
             raise InputError(f"the claim must have points and forces of shape ({contacts}, 3), one a pad")
         if claim.spin_torques.shape != (contacts,):
             raise InputError(f"the claim must have spin torques of shape ({contacts},), one a pad")
+
+
+def _finite(claim: Claim) -> bool:
+    numbers = [*claim.joints.values(), *claim.points.flat, *claim.forces.flat, *claim.spin_torques.flat]
+    return bool((np.abs(numbers) < _LARGEST).all())  # false for nan too
+
+
+def _unknown(figures: Sequence[Figure]) -> tuple[Figure, ...]:
+    where = "the claim holds numbers that are not finite"
+    return tuple(replace(figure, value=math.nan, where=where) for figure in figures)
 
 
 def _require_ranges_known(

@@ -7,7 +7,7 @@ the angular velocity a if it turns, with a and 0 if it slides.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -27,6 +27,21 @@ def jacobian(twists: Sequence[Twist], point: Array) -> Array:
     angular = np.where(turns, axes, 0.0)
     moved = np.einsum("ijk,nj,nk->in", _CROSS, axes, point - places)
     return np.concatenate([np.where(turns.T, moved, axes.T), angular.T])
+
+
+def rate_of_twist(twists: Sequence[Twist], rates: Mapping[str, Array]) -> Array:
+    """Return the twist of a link per unit of each synergy, shape (synergies, 6).
+
+    The velocity, m, of what of the link is at the world's origin, and the angular velocity, rad.
+
+    Args:
+        twists: joints between the root and the link.
+        rates: change of joints per unit of each synergy; joints that are not named stay.
+    """
+    moving = [twist for twist in twists if twist.joint in rates]
+    J = jacobian(moving, np.zeros(3))
+    count = len(next(iter(rates.values()), ()))
+    return np.array([rates[twist.joint] for twist in moving]).reshape(-1, count).T @ J.T
 
 
 def manipulability_figure(kinematics: Kinematics, poses: Poses, arm: Sequence[str], wrist: str) -> Figure:

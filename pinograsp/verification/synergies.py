@@ -49,6 +49,23 @@ class Synergies:
         moved = np.array([angles[name] for name in self.joints]) - self.rest
         return dict(zip(self.names, np.linalg.lstsq(self.matrix, moved, rcond=None)[0].tolist(), strict=True))
 
+    def rates(self, joints: Iterable[Joint]) -> dict[str, Array]:
+        """Return by how much each joint that the hand moves changes per unit of each synergy, shape (synergies,).
+
+        Args:
+            joints: all movable joints of the URDF; those that mimic a joint of the hand change with it.
+        """
+        named = {joint.name: joint for joint in joints}
+        own = dict(zip(self.joints, self.matrix, strict=True))
+        found: dict[str, Array] = {}
+        for name in named:
+            leader, factor = named[name], 1.0
+            while leader.mimics is not None:
+                leader, factor = named[leader.mimics], factor * leader.multiplier
+            if leader.name in own:
+                found[name] = factor * own[leader.name]
+        return found
+
     def angles(self, values: dict[str, float]) -> dict[str, float]:
         """Return the angles of the joints at the synergies."""
         sigma = np.array([values[name] for name in self.names])

@@ -1,0 +1,268 @@
+"""What wrenches a set of contacts balances: second-order cone programs on plain arrays.
+
+Point j of the footprint of contact i transmits a force f_j and, for a soft finger, a spin torque m_j about the pad's
+outward normal n. With f_n = n . f_j, f_t the rest of f_j, e the torsional friction radius and F_i the sum of the f_j of
+contact i, the contacts can exert the forces with
+
+    norm(f_t, m_j / e) <= mu f_n            Coulomb at every point (elliptic with the spin torque; hard finger: m_j = 0)
+    norm(F_i) <= f_max,  n . F_i >= f_min   for every contact
+    sum_j t_j . (f_j, m_j) = tau            the drive squeezes with the torque that it has
+
+Two questions are answered about a wrench w on the object, force and torque about its centre of mass:
+
+    multiples    max a  with  w + a d + sum_j G_j (f_j, m_j) = 0,  a >= 0, for each of several wrenches d
+    margin       max s  with  w + sum_j G_j (f_j, m_j) = 0  and s more than is needed left in every inequality, N
+
+Balance and drive are linear, E x = (-w - a d, tau) for the components x of all forces. What the left null space of E
+sees of the right-hand side no forces balance, whatever their size: for two hard fingers a torque about the line that
+joins them. As no grasp is exact, a share of `SHARE` of a wrench is left alone there; beyond, the multiple is 0 and the
+margin -inf.
+
+Torques are divided by a length, the size of the object, so that all rows are in N. The programs of all directions are
+solved as one block-diagonal program: the maximum of the sum is the sum of the maxima.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import clarabel
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ..arrays import Array
+
+SHARE = 2e-3
+"""Share of a wrench, torques over the length, that may stay unbalanced in a direction that no forces balance."""
+_RANK = 1e-7
+"""Relative size below which a singular value of E counts as zero."""
+_TOLERANCE = 1e-9
+_SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+_IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What contact forces keep to."""
+
+    friction: float
+    """mu."""
+    least: float
+    """f_min, N."""
+    most: float
+    """f_max, N."""
+
+
+@dataclass(frozen=True)
+class ContactPoints:
+    """The points of all footprints, contact by contact, world frame; p points."""
+
+    contact: NDArray[np.intp]
+    """Number of the contact of each point, from 0, in order, shape (p,)."""
+    points: Array
+    """m, shape (p, 3)."""
+    normals: Array
+    """Outward normals of the pads, into the object, shape (p, 3)."""
+    torsion_radius: Array
+    """e, m, 0 for hard fingers, shape (p,)."""
+    drive: Array
+    """Torque of the drive per newton of f_j along x, y, z and per newton metre of m_j, shape (p, 4)."""
+
+
+def _settings(careful: bool) -> Any:
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    settings.presolve_enable = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _TOLERANCE
+    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 100 * _TOLERANCE
+    # The rows are of one unit and size as they are: neither equilibration nor refinement changes much but the time.
+    settings.equilibrate_enable = settings.iterative_refinement_enable = careful
+    return settings
+
+
+class BalanceProblem:
+    """The forces that contacts can exert on an object, and what they balance.
+
+    Args:
+        at: the points of the contacts.
+        drive_torque: tau, in the unit of `at.drive` times N.
+        limits: friction and force limits.
+        center_of_mass: of the object, world, m, shape (3,).
+        length: by which torques are divided, m: the size of the object.
+    """
+
+    def __init__(
+        self, at: ContactPoints, drive_torque: float, limits: Limits, center_of_mass: Array, length: float
+    ) -> None:
+        self._length = length
+        columns = _Columns.of(at)
+        arms = (at.points - center_of_mass)[columns.point]
+        torques = np.cross(arms, columns.forces) + columns.torques
+        size = float(np.abs(columns.drives).max(initial=0.0))
+        # A hand whose drive the contacts do not feel squeezes with nothing: no row.
+        drives, self._tau = ([columns.drives / size], [drive_torque / size]) if size > 0.0 else ([], [])
+        self._equations = np.vstack([columns.forces.T, torques.T / length, *drives])
+        self._cones = _Cones.of(at, columns, limits)
+
+    @cached_property
+    def _ranges(self) -> tuple[Array, Array]:
+        """Orthonormal bases of the range of E and of its left null space, in columns."""
+        U, sigma, _ = np.linalg.svd(self._equations)
+        rank = int((sigma > _RANK * sigma[0]).sum())
+        return U[:, :rank], U[:, rank:]
+
+    def multiples(self, wrench: Array, directions: Array) -> Array:
+        """Return by how much of each direction the wrench may grow, shape (directions,).
+
+        It is 0 where the wrench alone is not balanced, and not a number where the solver fails.
+
+        Args:
+            wrench: w, force and torque about the centre of mass, N and N m, shape (6,).
+            directions: d, the same, not zero, shape (directions, 6).
+        """
+        load, along = self._sides(wrench, 1.0), self._sides(directions, 0.0)
+        found = np.zeros(len(directions))
+        going = self._in_reach(along) & self._in_reach(load[None])
+        if going.any():
+            E = self._ranges[0].T @ self._equations
+            growth = np.column_stack([-along[going] @ self._ranges[0], np.zeros((going.sum(), len(self._cones.rows)))])
+            found[going] = _maximised(E, self._ranges[0].T @ load, self._cones, growth, positive=True)
+        return found
+
+    def margin(self, wrench: Array) -> float:
+        """Return what is left in every inequality when the wrench is balanced, N; negative if it cannot be.
+
+        Args:
+            wrench: force and torque about the centre of mass, N and N m, shape (6,).
+        """
+        load = self._sides(wrench, 1.0)
+        if not self._in_reach(load[None])[0]:
+            return -math.inf
+        E = self._ranges[0].T @ self._equations
+        left = np.concatenate([np.zeros(len(E)), self._cones.heads])[None]
+        return float(_maximised(E, self._ranges[0].T @ load, self._cones, left, positive=False)[0])
+
+    def _sides(self, wrenches: Array, drive: float) -> Array:
+        """Return right-hand sides of E x = b for wrenches, shape (..., 6); `drive` is 1 to squeeze, 0 for a change."""
+        forces, torques = wrenches[..., :3], wrenches[..., 3:] / self._length
+        tau = np.broadcast_to([drive * tau for tau in self._tau], (*wrenches.shape[:-1], len(self._tau)))
+        return np.concatenate([-forces, -torques, tau], axis=-1)
+
+    def _in_reach(self, sides: Array) -> NDArray[np.bool_]:
+        missing = np.linalg.norm(sides @ self._ranges[1], axis=1)
+        return np.asarray(missing <= SHARE * np.linalg.norm(sides, axis=1))
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """The components of all forces: pressing, two tangential ones and, for soft fingers, spin, all in N."""
+
+    point: NDArray[np.intp]
+    """Shape (n,)."""
+    kind: NDArray[np.intp]
+    """0 pressing, 1 and 2 tangential, 3 spin, shape (n,)."""
+    forces: Array
+    """Force of a unit, world, shape (n, 3)."""
+    torques: Array
+    """Torque of a unit besides that of the force, world, m, shape (n, 3)."""
+    drives: Array
+    """Drive torque of a unit, shape (n,)."""
+
+    @classmethod
+    def of(cls, at: ContactPoints) -> _Columns:
+        least = np.eye(3)[np.abs(at.normals).argmin(axis=1)]
+        first = np.cross(least, at.normals)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        axes = np.stack([at.normals, first, np.cross(at.normals, first)], axis=1)
+        count = len(at.points)
+        forces = np.zeros((count, 4, 3))
+        forces[:, :3] = axes
+        torques = np.zeros((count, 4, 3))
+        torques[:, 3] = at.torsion_radius[:, None] * at.normals
+        drives = np.einsum("pkx,px->pk", forces, at.drive[:, :3])
+        drives[:, 3] = at.torsion_radius * at.drive[:, 3]
+        point, kind = np.nonzero(np.column_stack([np.ones((count, 3), dtype=bool), at.torsion_radius > 0.0]))
+        return cls(point, kind, forces[point, kind], torques[point, kind], drives[point, kind])
+
+
+@dataclass(frozen=True)
+class _Cones:
+    """The inequalities as cones: C x + c lies in a product of half-lines and second-order cones."""
+
+    rows: Array
+    """C, shape (m, n): half-lines first."""
+    offsets: Array
+    """c, N, shape (m,)."""
+    heads: NDArray[np.bool_]
+    """Which rows have to be large: the half-lines and the first row of each second-order cone, shape (m,)."""
+    half_lines: int
+    sizes: tuple[int, ...]
+    """Rows of each second-order cone."""
+
+    @classmethod
+    def of(cls, at: ContactPoints, columns: _Columns, limits: Limits) -> _Cones:
+        count, contacts = len(at.points), int(at.contact[-1]) + 1
+        of_contact = at.contact[columns.point]
+        presses = columns.kind == 0
+        pressing = (of_contact == np.arange(contacts)[:, None]) * presses
+        sums = (of_contact == np.arange(contacts)[:, None, None]) * columns.forces.T
+        totals = np.concatenate([np.zeros((contacts, 1, len(of_contact))), sums], axis=1).reshape(4 * contacts, -1)
+        coulomb = np.diag(np.where(presses, limits.friction, 1.0))
+        sizes = np.bincount(columns.point, minlength=count)
+        heads = np.concatenate([np.ones(contacts, dtype=bool), presses, np.tile([True, False, False, False], contacts)])
+        offsets = np.zeros(len(heads))
+        offsets[:contacts] = -limits.least
+        offsets[-4 * contacts :: 4] = limits.most
+        return cls(
+            np.concatenate([pressing, coulomb, totals]), offsets, heads, contacts, (*sizes.tolist(), *[4] * contacts)
+        )
+
+
+def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive: bool) -> Array:
+    """Return for each row of `growth` the largest a with E x + a g = load and C x + c - a h in the cones.
+
+    Not a number where the solver fails.
+
+    Args:
+        E: shape (r, n).
+        load: shape (r,).
+        cones: C, c and what they are.
+        growth: g and h of each program, shape (programs, r + m).
+        positive: whether a may not be negative.
+    """
+    programs, (equations, n), more = len(growth), E.shape, int(positive)
+    lines, others = cones.half_lines, len(cones.rows) - cones.half_lines
+    block = np.concatenate([np.vstack([E, -cones.rows]), np.ones((equations + lines + others, 1))], axis=1)
+    if positive:  # a row below E: -a <= 0
+        block = np.insert(block, equations, np.eye(1, n + 1, n), axis=0)
+        growth = np.insert(growth, equations, -1.0, axis=1)
+    column, row = np.nonzero(block.T)
+    data = np.tile(block[row, column], (programs, 1))
+    data[:, column == n] = growth
+    # All equations first, then all half-lines, then the second-order cones of program after program.
+    parts = (equations, lines + more, others)
+    begins = np.cumsum([0, *[part * programs for part in parts]])
+    kind = np.repeat(np.arange(3), parts)
+    within = np.concatenate([np.arange(part) for part in parts])
+    place = (begins[kind] + within) + np.arange(programs)[:, None] * np.array(parts)[kind]
+    starts = np.append(np.searchsorted(column, np.arange(n + 1)) + np.arange(programs)[:, None] * len(row), data.size)
+    A = sparse.csc_matrix((data.ravel(), place[:, row].ravel(), starts), shape=(begins[-1], programs * (n + 1)))
+    b = np.empty(begins[-1])
+    b[place] = np.concatenate([load, np.zeros(more), cones.offsets])
+    q = np.zeros(programs * (n + 1))
+    q[n :: n + 1] = -1.0
+    kinds = [clarabel.ZeroConeT(begins[1]), clarabel.NonnegativeConeT(begins[2] - begins[1])]
+    kinds += [clarabel.SecondOrderConeT(size) for size in cones.sizes] * programs
+    for careful in (False, True):
+        P, settings = sparse.csc_matrix((len(q), len(q))), _settings(careful)
+        solution = clarabel.DefaultSolver(P, q, A, b, kinds, settings).solve()
+        if solution.status == clarabel.SolverStatus.Solved or (careful and solution.status in _SOLVED):
+            found = np.asarray(solution.x)[n :: n + 1]
+            return np.maximum(found, 0.0) if positive else found
+    nothing = 0.0 if positive and solution.status in _IMPOSSIBLE else math.nan
+    return np.full(programs, nothing)

@@ -1,0 +1,135 @@
+"""Wrench resistance: how strongly a held object may be accelerated before its grasp gives way.
+
+The object of mass m weighs on its contacts with an inertial force m a d through its centre of mass as it is accelerated
+by a against the direction d, and with a torque as it is turned. For the six directions d = +-x, +-y, +-z of the world
+
+    Q_force    the least over d of the largest a such that the contacts balance the force m a d besides the load, m/s^2
+    Q_torque   the same for the torque m a (50 mm) d about the centre of mass, m/s^2 with an arm of 50 mm
+
+The contacts exert forces at the corners of their footprints (`footprint`; of large ones at most `CORNERS`, the contact
+point among them), within friction, spin and force limits (`balance`). The load is what the planned forces balance, so
+that a residual of the plan, which the balance figures judge, does not count here. The squeeze stays as planned: with
+J_j the hand's Jacobian at the corner j, S the synergies and mimic joints in S, the driver torques of the plan are
+
+    tau = S^T sum_i J_i^T f_i       and for the others   tau^T (S^T sum_j J_j^T f_j) = tau^T tau
+
+One driver keeps its torque exactly. Several drivers, which hold positions rather than torques, share the squeeze anew:
+only the combination that is planned is kept. A hand whose drivers feel none of the planned forces keeps nothing.
+
+Limits of the figures. Pads and object are rigid and pressures act at the footprint's corners, which is exact for points
+and lines and close to it for areas; hand and arm do not yield; the object does not leave
+its contacts and touch elsewhere. Where no forces balance a wrench, the figure is 0, and rightly so: two hard fingers
+with point contacts do not resist a torque about the line that joins them, so that Q_torque is 0, and Q_force too unless
+the centre of mass is on that line (up to the share `balance.SHARE` of the object's size).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions.hand import SoftFinger
+from ..descriptions.scene import ObjectDescription, TaskDescription
+from .balance import BalanceProblem, ContactPoints, Limits
+from .certificate import Figure
+from .claim import Claim
+from .contacts import Pads
+from .footprint import thinned
+
+ARM = 0.05
+"""Arm at which the forces of Q_torque act, m."""
+CORNERS = 8
+"""Most points of a footprint."""
+STANDARD_GRAVITY = 9.80665
+_DIRECTIONS = np.vstack([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
+_NAMES = ("+x", "-x", "+y", "-y", "+z", "-z")
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A grasp as far as its resistance to wrenches goes."""
+
+    problem: BalanceProblem
+    """What its contacts balance while the squeeze stays as planned."""
+    load: Array
+    """The wrench on the object that the planned forces balance: force and torque about the centre of mass, (6,)."""
+
+
+def mass_of(body: ObjectDescription, task: TaskDescription) -> float | None:
+    """Return the mass of an object, kg: its own, or what the task's force weighs; None if that is nothing."""
+    if body.mass is not None:
+        return float(body.mass)
+    weight = float(np.linalg.norm(task.wrench.vector[:3]))
+    return weight / STANDARD_GRAVITY if weight > 0.0 else None
+
+
+def hold_of(
+    claim: Claim,
+    pads: Pads,
+    areas: Sequence[Array],
+    rates: Sequence[Array],
+    task: TaskDescription,
+    center_of_mass: Array,
+    radius: float,
+) -> Hold:
+    """Return what a claim says about resistance.
+
+    Args:
+        claim: contact points, planned forces and spin torques.
+        pads: the pads at the claim's link poses.
+        areas: footprint of each contact, world, shape (k, 3), m.
+        rates: of the link of each pad, its twist about the world's origin per unit of each synergy, (synergies, 6).
+        task: friction and force limits.
+        center_of_mass: of the object, world, shape (3,), m.
+        radius: of the ball about the centre of mass that holds the object, m.
+    """
+    normals = pads.nearest(claim.points)[1]
+    moments = np.cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
+    exerted = np.column_stack([claim.forces, moments])
+    torques = np.einsum("isk,ik->s", np.array(rates), exerted)
+    size = float(np.linalg.norm(torques))
+    squeeze = torques / size if size > 0.0 else torques
+    corners = [_corners(area, point) for area, point in zip(areas, claim.points, strict=True)]
+    contact = np.repeat(np.arange(len(corners)), [len(points) for points in corners])
+    points, twists = np.concatenate(corners), (squeeze @ np.array(rates))[contact]
+    drive = np.column_stack(
+        [twists[:, :3] + np.cross(twists[:, 3:], points), (twists[:, 3:] * normals[contact]).sum(axis=1)]
+    )
+    radii = [pad.contact.torsion_radius if isinstance(pad.contact, SoftFinger) else 0.0 for pad in pads.pads]
+    at = ContactPoints(contact, points, normals[contact], np.array(radii)[contact], drive)
+    constants = task.contact
+    limits = Limits(constants.friction, constants.min_normal_force, constants.max_force)
+    force, torque = exerted[:, :3].sum(axis=0), exerted[:, 3:].sum(axis=0)
+    load = -np.concatenate([force, torque - np.cross(center_of_mass, force)])
+    return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
+
+
+def resistance_figures(hold: Hold, mass: float, least: float | None) -> tuple[Figure, ...]:
+    """Return Q_force and Q_torque; where: the direction of the wrench that is withstood least.
+
+    Args:
+        hold: the grasp.
+        mass: of the object, kg.
+        least: Q_force that is wanted, m/s^2.
+    """
+    nothing = np.zeros((6, 3))
+    forces = mass * np.hstack([_DIRECTIONS, nothing])
+    torques = mass * ARM * np.hstack([nothing, _DIRECTIONS])
+    Q = hold.problem.multiples(hold.load, np.vstack([forces, torques])).reshape(2, 6)
+    limits = (-math.inf if least is None else least, -math.inf)
+    return tuple(_figure(*given) for given in zip(("Q_force", "Q_torque"), Q, limits, strict=True))
+
+
+def _figure(name: str, values: Array, limit: float) -> Figure:
+    least = float(values.min())
+    # The first of those that are equal but for rounding.
+    worst = int(np.argmax(values <= least * (1.0 + 1e-6))) if math.isfinite(least) else 0
+    return Figure(name, least, limit, "m/s^2", "at least", _NAMES[worst])
+
+
+def _corners(area: Array, point: Array) -> Array:
+    return area if len(area) <= CORNERS else np.vstack([thinned(area, CORNERS - 1), point])
