@@ -8,7 +8,8 @@ from .grasp import Contact, Cost, Grasp
 from .json import read_json, write_json
 from .merge import merge
 from .provenance import file_hashes, provenance
-from .result import Blocked, Result
+from .ranking import ordered
+from .result import WITHSTAND, Blocked, Result
 from .reverify import Difference, verify
 from .setup import Setup
 from .table import grasp_table, outcome_lines
@@ -16,6 +17,7 @@ from .table import grasp_table, outcome_lines
 __all__ = [
     "CRITERIA",
     "FORMAT_VERSION",
+    "WITHSTAND",
     "Blocked",
     "Contact",
     "Cost",
@@ -30,6 +32,7 @@ __all__ = [
     "grasp_of",
     "grasp_table",
     "merge",
+    "ordered",
     "outcome_lines",
     "provenance",
     "read_json",

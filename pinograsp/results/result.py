@@ -11,6 +11,9 @@ from .grasp import Grasp
 from .ranking import FRONT, SCORE, ordered_by, pareto_front
 from .setup import Setup
 
+WITHSTAND = "withstand"
+"""Kind of what blocks a start whose grasp withstands less than the task asks for."""
+
 
 @dataclass(frozen=True)
 class Blocked:

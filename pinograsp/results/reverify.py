@@ -12,16 +12,18 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
-from ..verification import Verifier
+from ..verification import Certificate, Verifier
 from .encoding import encode_grasp
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
-from .result import Result
+from .result import WITHSTAND, Result
 from .setup import Setup
 
 RELATIVE, ABSOLUTE = 1e-9, 1e-12
 """Two numbers are the same if they are this near to each other, in any unit."""
+SOLVED = 1e-5
+"""The same for figures that an iterative solver computes, which another processor rounds otherwise, relative."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +78,10 @@ def _of_the_whole(result: Result) -> Iterator[Difference]:
     yield from _differences(None, stated, recomputed)
     found = sum(grasp.count for grasp in result.grasps)
     feasible = result.counts.get("converged", 0) + result.counts.get("feasible", 0)
+    weak = result.blocked[WITHSTAND].starts if WITHSTAND in result.blocked else 0
     sums = {
         "reliable": (result.reliable, found),
-        "refuted": (result.refuted, feasible - found),
+        "refuted": (result.refuted, feasible - found - weak),
         "sum of counts": (result.done, found + sum(blocked.starts for blocked in result.blocked.values())),
     }
     for what, (number, recounted) in sums.items():
@@ -114,7 +117,7 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     """Return the grasp that follows from the joints, contact points, forces and spin torques of another."""
     task, contacts = setup.scene.task(setup.task), grasp.contacts
     claim = grasp.claim
-    certificate, derived = verifier.check(claim), verifier.derive(claim)
+    certificate, derived = _certificate(grasp, verifier), verifier.derive(claim)
     desired = _desired_points(setup, np.array([contact.desired_point for contact in contacts]))
     phi_mm2 = 1e6 * float(((claim.points - desired) ** 2).sum())
     pads = robot_for(setup.robot, setup.scene, setup.task).pads
@@ -130,6 +133,15 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
         certificate=certificate,
         T_world_wrist=derived.T_world_wrist,
     )
+
+
+def _certificate(grasp: Grasp, verifier: Verifier) -> Certificate:
+    """Return the certificate of a grasp; figures of resistance only if it has them: an interrupt leaves them out."""
+    names = {figure.name for figure in grasp.certificate.figures}
+    figures = verifier.check(grasp.claim).figures
+    known = {figure.name for figure in figures}
+    further = verifier.resistance(grasp.claim) if names & {"Q_force", "Q_torque"} else ()
+    return Certificate((*figures, *(figure for figure in further if figure.name not in known)))
 
 
 def _desired_points(setup: Setup, stated: Array) -> Array:
@@ -166,11 +178,11 @@ def _label(part: Any, index: int) -> str:
 def _differences(number: int | None, stated: dict[str, Any], recomputed: dict[str, Any]) -> Iterator[Difference]:
     for what in stated | recomputed:
         one, other = stated.get(what), recomputed.get(what)
-        if not _same(one, other):
+        if not _same(one, other, SOLVED if ".Q_" in what else RELATIVE):
             yield Difference(number, what, one, other)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(one: Any, other: Any, relative: float) -> bool:
     if isinstance(one, int | float) and isinstance(other, int | float):
-        return math.isclose(one, other, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
+        return math.isclose(one, other, rel_tol=relative, abs_tol=ABSOLUTE)
     return bool(one == other)
