@@ -15,10 +15,11 @@ from hypothesis import strategies as st
 
 from pinograsp import InputError, Result, RobotModel, read_json, write_json
 from pinograsp.descriptions import SceneDescription
-from pinograsp.results import CRITERIA, Cost, Grasp, Setup, merge, ranking
+from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, merge, ranking, table
 from pinograsp.results.criteria import numbers_of
 from pinograsp.results.different import JOINT, POSITION, ROTATION
 from pinograsp.verification import Certificate, Figure
+from pinograsp.visualization import comparison
 
 FIGURES = {
     "Q": ("Q_force", "m/s^2"),
@@ -110,8 +111,8 @@ def test_the_score_is_the_mean_share_of_those_that_are_no_better() -> None:
 
 def test_the_clearance_is_the_least_of_those_that_there_are() -> None:
     criterion = {c.name: c for c in CRITERIA}["clearance"]
-    assert criterion.value(numbers_of(grasp(walls=0.03, self=0.02, target=0.04))) == 0.02
-    assert math.isnan(criterion.value(numbers_of(grasp(Q=1.0))))
+    made = [grasp(walls=0.03, self=0.02, target=0.04), grasp(Q=1.0), grasp(obstacles=0.01, self=math.nan)]
+    np.testing.assert_array_equal(criterion.values([numbers_of(one) for one in made]), [0.02, math.nan, 0.01])
 
 
 def test_every_criterion_counts_the_same_whatever_its_unit() -> None:
@@ -238,6 +239,30 @@ def test_the_score_is_that_of_its_definition(grasps: list[Grasp]) -> None:
 
 
 # One criterion alone.
+
+
+def test_a_further_criterion_is_one_more_entry(setup: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It counts in the score and gets its columns."""
+    toy = Criterion(
+        name="toy",
+        meaning="",
+        figures=("contact gap",),
+        better="least",
+        unit="m",
+        scored=True,
+        heading="toy",
+        narrow=True,
+    )
+    for module in (ranking, table, comparison):
+        monkeypatch.setattr(module, "CRITERIA", (*CRITERIA, toy))
+    made = [
+        dataclasses.replace(grasp(i), certificate=Certificate((Figure("contact gap", gap, 1.0, "m", "at most"),)))
+        for i, gap in enumerate((0.003, 0.001))
+    ]
+    result = result_of(setup, *made)
+    assert starts(result.ranked()) == [1, 0]
+    assert "toy\nmm" in [column.header for column in table.grasp_table(result).columns]
+    assert "<th>toy<small>mm</small></th>" in comparison.grasp_list(result)
 
 
 def test_ranked_by_one_criterion(setup: Setup) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
@@ -92,8 +92,8 @@ def _is_measured(rank_by: str, result: Result) -> bool:
     """Return whether a grasp has what they are to be ordered by."""
     if rank_by == SCORE:
         return True
-    criterion = criterion_of(rank_by, result.grasps)
-    return any(not math.isnan(criterion.value(numbers_of(grasp))) for grasp in result.grasps)
+    values = criterion_of(rank_by, result.grasps).values([numbers_of(grasp) for grasp in result.grasps])
+    return not np.isnan(values).all()
 
 
 def _report(result: Result, console: Console, rank_by: str) -> None:

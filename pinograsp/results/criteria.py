@@ -7,7 +7,7 @@ certificate lacks the figure is nan; such a grasp is worse than all that have on
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -48,25 +48,25 @@ class Criterion:
     narrow: bool = False
     """Whether it has a column in the terminal, too, where there is little room."""
 
-    def value(self, numbers: Numbers) -> float:
-        """Return the value of the grasp with these numbers, nan if it has none."""
-        found = [numbers[name] for name in self.figures if name in numbers]
-        worst = min if self.better == "most" else max
-        return worst(found, default=math.nan)
+    def values(self, grasps: Sequence[Numbers]) -> Array:
+        """Return the values of grasps, shape (n,), nan where a grasp has none."""
+        of_figures = [[numbers.get(name, math.nan) for numbers in grasps] for name in self.figures]
+        worst = np.fmin if self.better == "most" else np.fmax  # of a value and nan, the value
+        return np.asarray(worst.reduce(np.array(of_figures, dtype=np.float64), axis=0))
 
-    def merits(self, grasps: Iterable[Numbers]) -> Array:
+    def merits(self, grasps: Sequence[Numbers]) -> Array:
         """Return the values of grasps, shape (n,), turned so that more is better; -inf where a grasp has none."""
-        values = np.array([self.value(numbers) for numbers in grasps], dtype=np.float64)
+        values = self.values(grasps)
         return np.where(np.isnan(values), -np.inf, -values if self.better == "least" else values)
 
-    def levels(self, grasps: Iterable[Numbers]) -> Array:
+    def levels(self, grasps: Sequence[Numbers]) -> Array:
         """Return `merits` in whole multiples of the resolution."""
         merits = self.merits(grasps)
         return np.rint(merits / self.resolution) if self.resolution else merits
 
     def cell(self, numbers: Numbers) -> str:
         """Return the value of a grasp as tables show it; a dash where it has none."""
-        value = self.value(numbers)
+        value = float(self.values([numbers])[0])
         return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
 
     @property
@@ -133,7 +133,7 @@ CRITERIA = (
     ),
     Criterion(
         name="manipulability",
-        meaning="of the arm",
+        meaning="how far the arm is from singular postures",
         figures=("manipulability",),
         better="most",
         unit="m^3",

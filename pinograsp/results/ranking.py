@@ -81,7 +81,7 @@ def ordered_by(grasps: Sequence[Grasp], by: str) -> tuple[Grasp, ...]:
     if by == SCORE:
         return default
     criterion = criterion_of(by, default, further=(SCORE,))
-    merits = criterion.merits(map(numbers_of, default))
+    merits = criterion.merits([numbers_of(grasp) for grasp in default])
     return tuple(default[i] for i in np.argsort(-merits, kind="stable"))
 
 

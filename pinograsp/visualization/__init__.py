@@ -17,9 +17,9 @@ from ..results.result import Result
 from ..results.setup import Setup
 from . import camera
 from .approach import draw_approach
+from .comparison import grasp_list
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
-from .grasp_list import grasp_list
 from .page import grasp_page
 from .robot import draw_robot
 from .scene import draw_scene

@@ -21,7 +21,7 @@ from ..results.units import shown_in
 from ..verification.certificate import Certificate, Figure
 from . import colors
 from .camera import View, close_up, whole_box, y_up
-from .grasp_list import criteria_table
+from .comparison import criteria_table
 from .viewer import viewer_javascript
 
 
