@@ -18,7 +18,7 @@ from .descriptions.pose import Pose
 from .errors import InputError, PinograspError, WorkerLostError
 from .kinematics.robot import RobotModel
 from .planning import ConfigurationCheck, Planner, Progress, plan
-from .results import Contact, Cost, Difference, Grasp, Result, Setup, read_json, verify, write_json
+from .results import Contact, Cost, Difference, Different, Grasp, Result, Setup, read_json, verify, write_json
 from .solve import SolverOptions
 from .verification import Certificate, Figure
 
@@ -44,6 +44,7 @@ __all__ = [
     "Coverage",
     "Database",
     "Difference",
+    "Different",
     "Figure",
     "Grasp",
     "InputError",

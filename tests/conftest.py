@@ -179,6 +179,11 @@ def alone(xml: str, joints: dict[str, float]) -> dict[str, Array]:
 
 
 @pytest.fixture(scope="session")
+def can_scene() -> SceneDescription:
+    return pinograsp.load_scene("glovebox_can")
+
+
+@pytest.fixture(scope="session")
 def glovebox() -> SceneDescription:
     return pinograsp.load_scene("glovebox")
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,7 +17,8 @@ import pytest
 
 import pinograsp
 from pinograsp import cli
-from pinograsp.descriptions import schema, shipped_robots, shipped_scenes
+from pinograsp.descriptions import SceneDescription, schema, shipped_robots, shipped_scenes
+from pinograsp.verification import Certificate, Figure
 
 ROBOT = shipped_robots()["gen3_2f85"].read_text()
 SCENE = shipped_scenes()["glovebox"].read_text()
@@ -144,6 +147,7 @@ def test_folder_that_cannot_be_made_is_refused_before_the_work(run: Run, tmp_pat
         ["plan", "glovebox", "--task", "sphere", "--workers", "0"],
         ["plan", "glovebox", "--task", "sphere", "--seed", "-1"],
         ["plan", "glovebox", "--task", "sphere", "--algorithm", "LN_BOBYQA"],
+        ["plan", "glovebox", "--task", "sphere", "--rank-by", "beauty"],
         ["plan", "glovebox", "--task", "sphere", "--no-such-option"],
         ["schema", "task"],
         ["paint"],
@@ -169,7 +173,7 @@ def test_good_run(run: Run, tmp_path: Path) -> None:
     result = pinograsp.read_json(folder / "glovebox_sphere.json")
     assert result.done == result.starts == 12
     assert result.best is not None
-    assert f"sphere: best of {len(result.grasps)} distinct grasps, gen3_2f85 in glovebox" in output
+    assert f" different of {len(result.grasps)} distinct grasps, gen3_2f85 in glovebox" in output
     assert f"{result.reliable} of 12 starts reliable" in output
     assert f"{result.best.cost.U:.4g}" in output
     page = folder / "glovebox_sphere.html"
@@ -177,6 +181,43 @@ def test_good_run(run: Run, tmp_path: Path) -> None:
     for file in (folder / "glovebox_sphere.json", page):
         assert f"written: {file}\n" in output  # in one piece, however long
     assert sorted(folder.iterdir()) == sorted([folder / "glovebox_sphere.json", page])
+
+
+@pytest.fixture(scope="module")
+def planned(gen3: pinograsp.RobotModel, glovebox: SceneDescription) -> pinograsp.Result:
+    """Grasps whose clearances are made up: they rise with the numbers."""
+    result = pinograsp.plan(gen3, glovebox, "sphere", starts=3, workers=1)
+    grasps = tuple(
+        dataclasses.replace(grasp, certificate=Certificate((Figure("self clearance", x, 0.005, "m", "at least"),)))
+        for grasp, x in zip(result.grasps, (0.010, 0.011, 0.012), strict=True)
+    )
+    return dataclasses.replace(result, grasps=grasps)
+
+
+def test_order_of_table_and_page_is_that_of_one_criterion(
+    run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The file keeps its own."""
+    monkeypatch.setattr("pinograsp.cli.plan.plan", lambda *_, **__: planned)
+    code, output, errors = run("plan", "glovebox", "--task", "sphere", "--rank-by", "clearance")
+    assert (code, errors) == (0, "")
+    rows = [line.split() for line in output.splitlines() if re.match(r" *\d+ +\d+x ", line)]
+    assert [(row[0], row[4]) for row in rows] == [("3", "12.0"), ("2", "11.0"), ("1", "10.0")]
+    assert "by clearance" in output
+    page = (tmp_path / "out" / "glovebox_sphere.html").read_text()
+    assert "3 distinct grasps by clearance; the first is drawn" in page
+    assert re.search(r"<tr><td>3</td><td>1x</td>.*<td>12.0</td>", page)
+    written = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
+    assert [grasp.start for grasp in written.grasps] == [grasp.start for grasp in planned.grasps]
+
+
+def test_an_order_by_what_no_grasp_has_says_so(
+    run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pinograsp.cli.plan.plan", lambda *_, **__: planned)
+    for name, said in (("Q", True), ("clearance", False), ("score", False)):
+        _, output, _ = run("plan", "glovebox", "--task", "sphere", "--rank-by", name, "--no-html")
+        assert ("warning: no grasp has Q; the order is that of score" in output) == said
 
 
 def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:

@@ -253,8 +253,8 @@ def test_a_start_that_kills_its_worker_is_told_and_no_other_is_lost(
     assert result.done == 12
     assert result.counts["failed"] == 1
     assert result.blocked["solver failure"].where.startswith("start 3 lost: ")
-    others = [grasp for grasp in whole.grasps if grasp.start != 3]
-    np.testing.assert_array_equal([g.q_arm for g in result.grasps], [g.q_arm for g in others])
+    others = [grasp for grasp in whole.ranked("U") if grasp.start != 3]
+    np.testing.assert_array_equal([g.q_arm for g in result.ranked("U")], [g.q_arm for g in others])
 
 
 def content(attempts: Iterator[Attempt]) -> list[tuple[Any, ...]]:

@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from rich.console import Console
+from rich.table import Table
 
 from pinograsp import InputError, Result, RobotModel, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import SceneDescription, load_robot_description, shipped_robots, shipped_scenes
@@ -52,7 +54,8 @@ def grasp(U: float, q: float = 0.0, point: float = 0.0, start: int = 0, count: i
     arm = np.array([q])
     none = np.zeros(0)
     certificate = Certificate((figure,))
-    return Grasp(start, count, {"joint": q}, arm, none, none, none, {}, Cost(U, 0.0, U), (contact,), certificate)
+    cost = Cost(U, 0.0, U)
+    return Grasp(start, count, {"joint": q}, arm, none, none, none, {}, cost, (contact,), certificate, np.eye(4))
 
 
 # JSON.
@@ -126,10 +129,23 @@ def test_json_says_what_the_issue_asks_for(result: Result, gen3: RobotModel, tmp
     assert len(best["contact_parameters"]) == 4
     assert best["q_r"].keys() == {gen3.joint_names[joint] for joint in gen3.hand_joints}
     assert best["cost"].keys() == {"U", "phi_mm2", "V"}
+    assert np.array(best["T_world_wrist"]).shape == (4, 4)
     keys = {"pad", "link", "point", "normal", "force", "spin_torque", "desired_point"}
     assert [contact.keys() for contact in best["contacts"]] == [keys, keys]
     assert best["certificate"]["verified"] is True
     assert all(figure["holds"] for figure in best["certificate"]["figures"])
+
+
+def test_the_wrist_is_where_the_verification_has_it(
+    result: Result, gen3: RobotModel, glovebox: SceneDescription
+) -> None:
+    mounted = gen3.mounted(glovebox.mounting.matrix)
+    data = mounted.model.createData()
+    for found in result.grasps:
+        q = mounted.joint_positions(np.concatenate([found.q_arm, found.synergy]))
+        pin.framesForwardKinematics(mounted.model, data, q)
+        expected = data.oMf[mounted.model.getFrameId(gen3.description.arm.wrist)].homogeneous
+        np.testing.assert_allclose(found.T_world_wrist, expected, atol=1e-12)
 
 
 def test_q_r_squeezes(result: Result) -> None:
@@ -162,7 +178,7 @@ def test_numbers_that_are_not_finite_become_null(setup: Setup, tmp_path: Path) -
     assert same(read_json(file).grasps[0].certificate, odd.certificate)
 
 
-@pytest.mark.parametrize("given", [0, 1, "2", None])
+@pytest.mark.parametrize("given", [0, 1, 2, "3", None])
 def test_other_format_version_is_refused(given: object, result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(result, file)
@@ -179,8 +195,8 @@ def test_other_format_version_is_refused(given: object, result: Result, tmp_path
         ("", "not valid JSON"),
         ("{", "not valid JSON"),
         ("[1]", "format version"),
-        ('{"format_version": 2}', "damaged"),
-        ('{"format_version": 2, "starts": NaN}', "not valid JSON: NaN"),
+        ('{"format_version": 3}', "damaged"),
+        ('{"format_version": 3, "starts": NaN}', "not valid JSON: NaN"),
         ("[" * 100_000, "not valid JSON"),
         (b"\xff\xfe", "not valid JSON"),
     ],
@@ -206,6 +222,7 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
         lambda data: data["grasps"][0]["joints"].update(joint_1=None),
         lambda data: data["grasps"][0]["cost"].update(U=10**400),
         lambda data: data["grasps"][0]["contacts"][0]["point"].pop(),
+        lambda data: data["grasps"][0]["T_world_wrist"].pop(),
         lambda data: data["grasps"][0]["certificate"]["figures"][0].update(limit="much"),
         lambda data: data["setup"].update(task="cube"),
     ],
@@ -220,6 +237,7 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
         "no angle",
         "too large",
         "two coordinates",
+        "half a pose",
         "text for a limit",
         "no such task",
     ],
@@ -311,7 +329,7 @@ def test_different_joints_or_points_stay_apart(q: float, point: float) -> None:
 def test_merging_does_not_depend_on_the_order() -> None:
     grasps = [grasp(2.0 + (i % 2), q=0.015 * i, start=i) for i in range(8)]
     first = merge(grasps)
-    assert [g.cost.U for g in first] == sorted(g.cost.U for g in first)
+    assert [g.cost.U for g in first] == sorted(g.cost.U for g in first)  # no figure orders them otherwise
     assert same(merge(grasps[::-1]), first)
     assert same(merge(grasps[3:] + grasps[:3]), first)
 
@@ -352,17 +370,53 @@ def test_package_versions_are_recorded(result: Result) -> None:
 
 
 def test_table_fits_80_columns(result: Result) -> None:
-    long = dataclasses.replace(
-        result.grasps[0], count=1304, q_arm=np.full(7, -math.pi), cost=Cost(1234.5, 1e-17, 9.876)
+    """The widest numbers that come; ten grasps that differ, of a thousand."""
+    cost, q_arm = Cost(1234.5, 1e-17, 9.876), np.full(7, -math.pi)
+    figures = (
+        Figure("Q_force", 123.456, -math.inf, "m/s^2", "at least"),
+        Figure("self clearance", 0.05, 0.005, "m", "at least"),
+        Figure("joint reserve", math.radians(123.4), 0.02, "rad", "at least"),
     )
-    console = Console(width=80, record=True, file=io.StringIO())
-    console.print(grasp_table(dataclasses.replace(result, grasps=(long,) * 12)))
-    text = console.export_text()
+    long = [
+        dataclasses.replace(
+            result.grasps[0],
+            start=i,
+            count=1304 if i % 100 == 0 else 0,
+            q_arm=q_arm,
+            cost=cost,
+            certificate=Certificate(figures),
+            T_world_wrist=pose(0.1 * (i // 100)),
+        )
+        for i in range(1200)
+    ]
+    text = printed(grasp_table(dataclasses.replace(result, grasps=tuple(long)), by="reserve"))
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text
-    assert text.count("1304x") == 10  # the best ten
+    assert text.count(" 1304x  1234  123.46   50.0    123.4 ") == 10
     assert text.count(" -180") == 70
-    assert "1234" in text
+    assert [line.split()[0] for line in text.splitlines() if "1304x" in line] == [str(100 * i + 1) for i in range(10)]
+    assert "by reserve" in text
+    assert "10 different of 1200 distinct grasps" in text
+
+
+def test_table_without_figures(result: Result) -> None:
+    bare = dataclasses.replace(result.grasps[0], certificate=Certificate(()))
+    text = printed(grasp_table(dataclasses.replace(result, grasps=(bare,))))
+    (row,) = [line for line in text.splitlines() if line.startswith("1 ")]
+    assert row.split()[3:6] == ["-", "-", "-"]
+    assert "by" not in text
+
+
+def pose(x: float) -> Any:
+    T = np.eye(4)
+    T[0, 3] = x
+    return T
+
+
+def printed(table: Table) -> str:
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(table)
+    return console.export_text()
 
 
 def test_words_about_the_starts(setup: Setup) -> None:

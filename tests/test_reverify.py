@@ -22,7 +22,7 @@ from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.mechanics import ContactModels, ForceLimits
 from pinograsp.mechanics.barrier import barrier
 from pinograsp.results import provenance, reverify
-from pinograsp.verification import Claim, Verifier
+from pinograsp.verification import Certificate, Claim, Figure, Verifier
 from pinograsp.verification.force_cost import force_cost
 
 Keys = tuple[str | int, ...]
@@ -267,10 +267,23 @@ def test_what_is_said_of_the_whole_counts(
 
 
 def test_the_order_counts(data: dict[str, Any], reread: Reread, quick: None) -> None:
-    assert data["grasps"][0]["cost"]["U"] < data["grasps"][1]["cost"]["U"]
     swapped = sealed(data | {"grasps": [*data["grasps"][1::-1], *data["grasps"][2:]]})
-    [difference] = verify(reread(swapped))
-    assert (difference.grasp, difference.what) == (2, "place in the list")
+    assert verify(reread(swapped)) == (Difference(2, "place in the list", 2, 1),)
+
+
+def test_figures_order_the_grasps_of_a_tier(result: Result, quick: None) -> None:
+    """Figures that are made up differ, too; here only the places count."""
+    costs = [grasp.cost.U for grasp in result.grasps]
+    assert max(costs) < min(costs) + 1.0
+    grasps = tuple(
+        dataclasses.replace(grasp, certificate=Certificate((Figure("Q_force", Q, 0.0, "m/s^2", "at least"),)))
+        for grasp, Q in zip(result.grasps, (1.0, 3.0, 2.0), strict=True)
+    )
+    made_up = dataclasses.replace(result, grasps=grasps)
+    places = [found for found in verify(made_up) if found.what == "place in the list"]
+    assert places == [Difference(2, "place in the list", 2, 1)]
+    in_order = dataclasses.replace(result, grasps=made_up.ranked())
+    assert not [found for found in verify(in_order) if found.what == "place in the list"]
 
 
 @pytest.mark.parametrize(
@@ -430,7 +443,7 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
     for content, words in (
         (None, "cannot be read"),
         ("{", "is not valid JSON"),
-        (json.dumps(data | {"format_version": 1}), "format_version: format version 1 cannot be read"),
+        (json.dumps(data | {"format_version": 2}), "format_version: format version 2 cannot be read"),
         (json.dumps(data | {"setup": 3}), "is damaged"),
         (json.dumps(data | {"provenance": []}), "is damaged"),
         (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "is damaged"),

@@ -75,6 +75,7 @@ def grasp(robot, scene):
         cost=Cost(2.1791, 0.0425, 2.1366),
         contacts=(contact("left", 1.0), contact("right", -1.0)),
         certificate=Certificate(figures),
+        T_world_wrist=np.eye(4),
         setup=Setup(robot, scene, "sphere"),
     )
 
@@ -249,6 +250,36 @@ def test_of_a_result_the_best_grasp_is_drawn(grasp, robot, scene, tmp_path):
     assert of_result == best != other
     write_html(result, tmp_path / "result.html")
     assert "2.179" in (tmp_path / "result.html").read_text()
+
+
+def test_the_page_of_a_result_compares_its_grasps(grasp, robot, scene, tmp_path):
+    def made_up(start, number, x):
+        figures = (
+            Figure("Q_force", number, -math.inf, "m/s^2", "at least"),
+            Figure("Q_torque", 2.5, -math.inf, "m/s^2", "at least"),
+            Figure("self clearance", 0.0123, 0.005, "m", "at least"),
+        )
+        T = np.eye(4)
+        T[0, 3] = x
+        return dataclasses.replace(
+            grasp, start=start, count=2, certificate=Certificate(figures), T_world_wrist=T, setup=None
+        )
+
+    setup = Setup(robot, scene, "sphere")
+    grasps = (made_up(0, 9.87, 0.0), made_up(1, 8.76, 0.001), made_up(2, 7.65, 0.3))
+    result = Result(setup, grasps, 6, {"converged": 6}, 6, 0, {})
+    write_html(result, tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert "2 different of 3 distinct grasps; the first is drawn" in page
+    assert "<tr><td>1</td><td>4x</td><td>2.179</td><td>9.87</td><td>2.50</td><td>12.3</td><td>-</td>" in page
+    assert "<tr><td>3</td><td>2x</td><td>2.179</td><td>7.65</td>" in page
+    assert re.search(r"<td>Q_force<small>[^<]+</small></td><td>9.87 m/s²</td>", page)
+    assert re.search(r"<td>reserve<small>[^<]+</small></td><td>-</td>", page)
+    assert "<td>9.87 m/s²</td><td></td>" in page  # of the certificate: no limit
+    write_html(result.grasps[2], tmp_path / "b.html")
+    assert "distinct grasps" not in (tmp_path / "b.html").read_text()
+    with pytest.raises(InputError, match="'beauty'"):
+        write_html(result, tmp_path / "c.html", by="beauty")
 
 
 def test_what_cannot_be_drawn_is_refused(grasp, robot, scene, tmp_path):

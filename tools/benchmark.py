@@ -56,7 +56,7 @@ def main() -> None:
 def run(robot: Any, scene: Any, starts: int, workers: int, database: Database) -> None:
     """Print the figures of a whole run."""
     result = pinograsp.plan(robot, scene, "sphere", starts=starts, workers=workers, seed=0, database=database)
-    best = result.best
+    best = next(iter(result.ranked("U")), None)
     print(f"sphere, {starts} starts of a database of {database.rows():,}, seed 0, {workers} workers")
     for line in outcome_lines(result):
         print("  " + line)

@@ -14,6 +14,9 @@ from ..geometry.patches import above
 from ..kinematics.robot import RobotModel
 from .world import CLEARANCES, Body, BodyKey, Role, Solid, World
 
+FLUSH = 2e-5
+"""How far a solid may stand out of a pad's surface and still count as behind it, m."""
+
 
 class PlacedSolid(NamedTuple):
     """A solid with its number and the body that it belongs to."""
@@ -87,11 +90,11 @@ def _kept_apart(
 
 
 def _behind_its_pad(robot: RobotModel, placed: PlacedSolid) -> bool:
-    """Return whether the surface of a pad bounds a link, or this solid of it.
+    """Return whether the surface of a pad bounds a link, or this solid of it: as its rubber, or as what backs that.
 
     Then contact and tangency at the pad already keep the solid off a convex object. Its distance to the
     object is zero at every grasp with the gradient of the contact condition: as one more inequality it
-    would only make the problem degenerate.
+    would only make the problem degenerate. What stands out beside the pad keeps its margin from the object.
     """
     shape, T = placed.solid.shape, placed.body.pose @ placed.solid.placement
     if isinstance(shape, coal.Sphere):
@@ -103,6 +106,6 @@ def _behind_its_pad(robot: RobotModel, placed: PlacedSolid) -> bool:
     return any(
         pad.joint == placed.body.joint
         and pad.description.link == placed.body.name
-        and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < 2e-6
+        and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < FLUSH
         for pad in robot.pads
     )

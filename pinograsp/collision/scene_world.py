@@ -39,9 +39,9 @@ def task_world(robot: RobotModel, scene: SceneDescription, task: TaskDescription
     """
     obstacles = [scene_body("obstacle", name, body) for name, body in scene.bodies_besides(task).items()]
     target = scene_body("target", task.object, scene.objects[task.object])
-    around, own = task.margin.enclosure + SLACK, task.margin.robot + SLACK
+    around, own, target_margin = (m + SLACK for m in (task.margin.enclosure, task.margin.robot, task.margin.object))
     return World(
         bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles, target),
-        margins={"wall": around, "obstacle": around, "target": 0.0, "link": own, "held": own},
+        margins={"wall": around, "obstacle": around, "target": target_margin, "link": own, "held": own},
         allowed=allowed_pairs(robot, task.margin.robot),
     )

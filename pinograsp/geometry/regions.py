@@ -32,6 +32,20 @@ def membership(region: described.Region) -> Membership:
     return made
 
 
+def is_convex(region: described.Region) -> bool:
+    """Whether a region is known to be convex: a segment is inside if its ends are."""
+    match region:
+        case described.AllOf():
+            return all(is_convex(part) for part in region.parts)
+        case described.Outside():
+            return isinstance(region.part, described.HalfSpace)
+        case described.Sector():
+            return region.half_width <= 0.5 * math.pi
+        case described.AnyOf():
+            return len(region.parts) == 1 and is_convex(region.parts[0])
+    return True
+
+
 def _signed(function: Membership, sign: float) -> Membership:
     def signed(points: Array) -> tuple[Array, Array]:
         values, gradients = function(points)

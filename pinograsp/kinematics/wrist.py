@@ -1,6 +1,8 @@
-"""The approach direction, the wrist's z axis, with its derivative."""
+"""The pose of the wrist, and the approach direction, its z axis, with its derivative."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from ..arrays import Array, skew
 from .forward import Configuration
@@ -14,3 +16,13 @@ def approach_direction(configuration: Configuration) -> tuple[Array, Array]:
     axis = configuration.rotations[joint] @ frame.placement.rotation[:, 2]
     angular = configuration.jacobian[3:] * robot.supports[joint]
     return axis, -skew(axis) @ angular @ robot.B
+
+
+def wrist_pose(configuration: Configuration) -> Array:
+    """Return T_world_wrist, shape (4, 4)."""
+    robot = configuration.robot
+    frame = robot.model.frames[robot.wrist_frame]
+    T = np.eye(4)
+    T[:3, :3] = configuration.rotations[frame.parentJoint]
+    T[:3, 3] = configuration.translations[frame.parentJoint]
+    return np.asarray(T @ frame.placement.homogeneous)

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
-from ..results import Blocked, Result, Setup, merge, provenance
+from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge, provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
 
@@ -47,24 +47,37 @@ class Run:
         costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
         return Progress(len(self.attempts), total, len(costs), min(costs, default=float("inf")))
 
-    def result(self) -> Result:
-        """Return the result of what was tried."""
+    def distinct(self) -> tuple[Grasp, ...]:
+        """Return the grasps that were found, near-identical ones as one."""
+        return merge([attempt.grasp for attempt in self.attempts if attempt.grasp])
+
+    def result(self, grasps: tuple[Grasp, ...]) -> Result:
+        """Return the result of what was tried.
+
+        Args:
+            grasps: the distinct ones with all their figures, in the default order.
+        """
         attempts = self.attempts
         outcomes = Counter(attempt.solution.outcome for attempt in attempts)
-        grasps = [attempt.grasp for attempt in attempts if attempt.grasp]
         return Result(
             setup=self.setup,
-            grasps=merge(grasps),
+            grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
-            reliable=len(grasps),
-            refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified),
+            reliable=sum(1 for attempt in attempts if attempt.grasp),
+            refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified and not too_weak(a)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
+
+
+def too_weak(attempt: Attempt) -> bool:
+    """Whether all that an attempt lacks is that its grasp withstands as much as the task asks for."""
+    certificate = attempt.certificate
+    return certificate is not None and [figure.name for figure in certificate.refuted_by] == ["Q_force"]
 
 
 def _times(attempts: Sequence[Attempt]) -> dict[str, float]:
@@ -97,6 +110,8 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     """Return kind, violation, unit and place of what kept an attempt from being reliable."""
     if attempt.certificate:
         figure = attempt.certificate.refuted_by[0]
+        if too_weak(attempt):
+            return WITHSTAND, figure.limit - figure.value, figure.unit, figure.where
         return f"check of {figure.name}", abs(figure.value - figure.limit), figure.unit, figure.where
     worst = attempt.solution.worst
     if worst is None:

@@ -24,16 +24,19 @@ def approach_cone(task: TaskDescription, T_world_object: Array) -> Cone | None:
 
 
 def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
-    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task's ranges.
+    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task.
+
+    The task asks for a reserve of the arm joints that have limits, and for ranges.
 
     The range of a joint whose whole turns do not count is moved by turns until its middle is within half a turn of
     zero: a range of less than a turn then lies within the +-2 pi that the model gives such a joint.
 
     Raises:
-        InputError: a range names no arm joint or synergy, or does not meet the robot's limits.
+        InputError: a range names no arm joint or synergy, or does not meet the robot's limits less the reserve, or the
+            reserve leaves nothing of a joint's limits.
     """
     names = list(robot.posture_names)
-    lower, upper = robot.lower.copy(), robot.upper.copy()
+    lower, upper = _within_reserve(robot, scene, task_name)
     for name, (low, high) in scene.task(task_name).joint_ranges.items():
         key = f"tasks.{task_name}.joint_ranges.{name}"
         if name not in names:
@@ -45,7 +48,23 @@ def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -
         shift = TURN * round(0.5 * (low + high) / TURN) if robot.turns_freely(name) else 0.0
         narrowed = max(lower[i], low - shift), min(upper[i], high - shift)
         if narrowed[0] >= narrowed[1]:
-            problem = f"[{low:g}, {high:g}] does not meet the robot's limits [{lower[i]:g}, {upper[i]:g}]"
+            problem = f"[{low:g}, {high:g}] does not meet the limits [{lower[i]:g}, {upper[i]:g}] of the robot"
+            reserve = scene.task(task_name).reserve.joint if i < robot.arm_size else 0.0
+            problem += f", less the task's reserve of {reserve:g}" if reserve and not robot.turns_freely(name) else ""
             raise InputError(problem, file=scene.source, key=key, remedy="Give a range that overlaps them")
         lower[i], upper[i] = narrowed
+    return lower, upper
+
+
+def _within_reserve(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
+    """Return the robot's limits of the posture, those of arm joints less the task's reserve."""
+    reserve, lower, upper = scene.task(task_name).reserve.joint, robot.lower.copy(), robot.upper.copy()
+    for i, name in enumerate(robot.description.arm.joints):
+        if robot.turns_freely(name):
+            continue
+        if upper[i] - lower[i] <= 2.0 * reserve:
+            problem = f"{reserve:g} leaves nothing of the limits [{lower[i]:g}, {upper[i]:g}] of {name}"
+            key, remedy = f"tasks.{task_name}.reserve.joint", "Give a smaller reserve"
+            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
+        lower[i], upper[i] = lower[i] + reserve, upper[i] - reserve
     return lower, upper

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..arrays import Array
 from ..collision.distances import Distances
+from ..geometry.contact_faces import ContactFace
 from ..kinematics.contacts import ContactKinematics, contact_kinematics, jacobian_derivatives
 from ..kinematics.forward import Configuration, forward
 from ..mechanics import (
@@ -41,6 +42,10 @@ class State:
     def surface(self) -> tuple[Array, Array, Array]:
         """Signed distance, outward normal and Hessian of the object at the contact points."""
         return self.model.object_surface(self.contacts.points)
+
+    def contact_face(self, pad: int) -> ContactFace:
+        """Return the contact face of the object at the contact point of a pad, world frame."""
+        return self.model.contact_face(self.contacts.points[pad])
 
     @cached_property
     def distances(self) -> Distances:

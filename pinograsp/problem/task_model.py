@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import SceneDescription, TaskDescription, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
+from ..geometry.contact_faces import ContactFace, Flat, Ruling
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import RobotModel
@@ -72,6 +74,17 @@ class TaskModel:
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
         distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
         return distances, normals @ R.T, R @ hessians @ R.T
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the contact face of the object at its surface point nearest to a world point; world frame."""
+        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
+        face = self.surface.contact_face((point - origin) @ R)
+        match face:
+            case Ruling():
+                return replace(face, direction=R @ face.direction)
+            case Flat():
+                return Flat(face.corners @ R.T + origin, R @ face.normal)
+        return face
 
 
 def _contact_models(pads: Sequence[PadDescription], stiffness: float) -> ContactModels:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..kinematics.wrist import wrist_pose
 from ..problem import State
 from ..verification import Certificate, Claim
 from .grasp import Contact, Cost, Grasp
@@ -56,4 +57,5 @@ def grasp_of(start: int, state: State, claim: Claim, certificate: Certificate) -
             for i, pad in enumerate(robot.description.pads)
         ),
         certificate=certificate,
+        T_world_wrist=wrist_pose(state.configuration),
     )

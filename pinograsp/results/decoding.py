@@ -12,7 +12,8 @@ from ..arrays import Array
 from ..descriptions import RobotDescription, SceneDescription
 from ..descriptions.files import FileRoot, dotted
 from ..verification.certificate import Certificate, Figure
-from .grasp import Blocked, Contact, Cost, Grasp, Result
+from .grasp import Contact, Cost, Grasp
+from .result import Blocked, Result
 from .setup import Setup
 
 Description = TypeVar("Description", bound=FileRoot)
@@ -86,6 +87,7 @@ def _grasp(data: dict[str, Any]) -> Grasp:
         cost=Cost(**_finite(data["cost"])),
         contacts=tuple(_contact(contact) for contact in data["contacts"]),
         certificate=Certificate(tuple(_figure(figure) for figure in figures)),
+        T_world_wrist=_array(data["T_world_wrist"], 4, 4),
     )
 
 

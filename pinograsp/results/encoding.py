@@ -13,10 +13,11 @@ from typing import Any
 
 from ..descriptions.files import FileRoot
 from ..disk import digest
-from .grasp import Contact, Grasp, Result
+from .grasp import Contact, Grasp
+from .result import Result
 from .setup import Setup
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 
 def encode(result: Result) -> dict[str, Any]:
@@ -41,6 +42,7 @@ def encode_grasp(grasp: Grasp) -> dict[str, Any]:
             "cost": dataclasses.asdict(grasp.cost),
             "contacts": [_contact(contact) for contact in grasp.contacts],
             "certificate": grasp.certificate.to_json(),
+            "T_world_wrist": grasp.T_world_wrist.tolist(),
         }
     )
     return data

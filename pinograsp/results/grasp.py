@@ -1,12 +1,14 @@
-"""A grasp and the result of a run."""
+"""A grasp: one solution with everything derived from it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from ..arrays import Array
 from ..verification.certificate import Certificate
+from ..verification.claim import Claim
 from .setup import Setup
 
 
@@ -60,76 +62,18 @@ class Grasp:
     cost: Cost
     contacts: tuple[Contact, ...]
     certificate: Certificate
+    T_world_wrist: Array
+    """Pose of the wrist link, m, shape (4, 4)."""
     setup: Setup | None = field(default=None, repr=False)
     """Robot, scene and task that it belongs to; every grasp of a result has them. None on the way there: worker
     processes do not send them with each grasp."""
 
-
-@dataclass(frozen=True)
-class Blocked:
-    """The starts whose most violated constraint was of one kind."""
-
-    starts: int
-    nearest_miss: float
-    """Least violation among them, in `unit`."""
-    unit: str
-    where: str
-    """Bodies, pad or figure of the nearest miss."""
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a run found: verified grasps sorted by U, and what became of every start."""
-
-    setup: Setup = field(repr=False)
-    """Robot, scene and task; each of the grasps gets this object too."""
-    grasps: tuple[Grasp, ...]
-    starts: int
-    """Starts asked for."""
-    counts: dict[str, int]
-    """Starts per outcome of the solver: converged, feasible, infeasible, budget spent, failed."""
-    reliable: int
-    """Starts that ended in a grasp which the independent check verified."""
-    refuted: int
-    """Starts whose grasp the solver called feasible and the independent check refuted."""
-    blocked: dict[str, Blocked]
-    """What kept the other starts from being reliable, by kind of constraint."""
-    interrupted: bool = False
-    times: dict[str, float] = field(default_factory=dict)
-    """Seconds per stage; `solver_mean` is the mean of one start on one core."""
-    provenance: dict[str, Any] = field(default_factory=dict)
-    """Package versions, hashes of the input files, seed and options."""
-    warnings: tuple[str, ...] = ()
-    """What is odd about the task."""
-    altered: bool = False
-    """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
-
-    def __post_init__(self) -> None:
-        """Tell every grasp where it belongs."""
-        grasps = tuple(g if g.setup is self.setup else replace(g, setup=self.setup) for g in self.grasps)
-        object.__setattr__(self, "grasps", grasps)
-
     @property
-    def robot(self) -> str:
-        """Name of the robot."""
-        return self.setup.robot.name
-
-    @property
-    def scene(self) -> str:
-        """Name of the scene."""
-        return self.setup.scene.name
-
-    @property
-    def task(self) -> str:
-        """Name of the task."""
-        return self.setup.task
-
-    @property
-    def best(self) -> Grasp | None:
-        """The grasp of least U, or None."""
-        return self.grasps[0] if self.grasps else None
-
-    @property
-    def done(self) -> int:
-        """Number of starts that were solved."""
-        return sum(self.counts.values())
+    def claim(self) -> Claim:
+        """What the check proves or refutes: joints, contact points and forces."""
+        return Claim(
+            joints=self.joints,
+            points=np.array([contact.point for contact in self.contacts]),
+            forces=np.array([contact.force for contact in self.contacts]),
+            spin_torques=np.array([contact.spin_torque for contact in self.contacts]),
+        )

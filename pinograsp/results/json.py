@@ -14,7 +14,7 @@ from ..disk import write_whole
 from ..errors import InputError
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
-from .grasp import Result
+from .result import Result
 
 
 def write_json(result: Result, file: Path | str) -> None:

@@ -12,14 +12,18 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
-from ..verification import Claim, Verifier
+from ..verification import Certificate, Verifier
 from .encoding import encode_grasp
-from .grasp import Cost, Grasp, Result
+from .grasp import Cost, Grasp
 from .provenance import file_hashes
+from .ranking import default_order
+from .result import WITHSTAND, Result
 from .setup import Setup
 
 RELATIVE, ABSOLUTE = 1e-9, 1e-12
 """Two numbers are the same if they are this near to each other, in any unit."""
+SOLVED = 1e-5
+"""The same for figures that an iterative solver computes, which another processor rounds otherwise, relative."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
 
     - every figure of the certificates;
     - U, Phi and V, arm joints, synergies, normals and desired points, pads and links;
+    - the wrist's pose;
     - the order of the grasps and the numbers of starts;
     - the hashes of the robot's files.
 
@@ -73,20 +78,28 @@ def _of_the_whole(result: Result) -> Iterator[Difference]:
     yield from _differences(None, stated, recomputed)
     found = sum(grasp.count for grasp in result.grasps)
     feasible = result.counts.get("converged", 0) + result.counts.get("feasible", 0)
+    weak = result.blocked[WITHSTAND].starts if WITHSTAND in result.blocked else 0
     sums = {
         "reliable": (result.reliable, found),
-        "refuted": (result.refuted, feasible - found),
+        "refuted": (result.refuted, feasible - found - weak),
         "sum of counts": (result.done, found + sum(blocked.starts for blocked in result.blocked.values())),
     }
     for what, (number, recounted) in sums.items():
         if number != recounted:
             yield Difference(None, what, number, recounted)
-    costs = [grasp.cost.U for grasp in result.grasps]
-    for number, (U, before) in enumerate(zip(costs[1:], costs, strict=False), 2):
-        if before > U:
-            yield Difference(number, "place in the list", U, f"before grasp {number - 1}, whose U is greater")
+    yield from _of_the_order(result)
     if result.done > result.starts:
         yield Difference(None, "starts", result.starts, result.done)
+
+
+def _of_the_order(result: Result) -> Iterator[Difference]:
+    """Yield the grasps that stand behind one that they should stand before.
+
+    U and figures are the stated ones: they are the recomputed ones, but for rounding errors, or differ themselves.
+    """
+    places = np.argsort(default_order(result.grasps))
+    for index in np.flatnonzero(np.diff(places) < 0) + 1:
+        yield Difference(int(index) + 1, "place in the list", int(index) + 1, int(places[index]) + 1)
 
 
 def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> Iterator[Difference]:
@@ -103,13 +116,8 @@ def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> It
 def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     """Return the grasp that follows from the joints, contact points, forces and spin torques of another."""
     task, contacts = setup.scene.task(setup.task), grasp.contacts
-    claim = Claim(
-        joints=grasp.joints,
-        points=np.array([contact.point for contact in contacts]),
-        forces=np.array([contact.force for contact in contacts]),
-        spin_torques=np.array([contact.spin_torque for contact in contacts]),
-    )
-    certificate, derived = verifier.check(claim), verifier.derive(claim)
+    claim = grasp.claim
+    certificate, derived = _certificate(grasp, verifier), verifier.derive(claim)
     desired = _desired_points(setup, np.array([contact.desired_point for contact in contacts]))
     phi_mm2 = 1e6 * float(((claim.points - desired) ** 2).sum())
     pads = robot_for(setup.robot, setup.scene, setup.task).pads
@@ -123,7 +131,17 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
             for contact, pad, normal, point in zip(contacts, pads, derived.normals, desired, strict=True)
         ),
         certificate=certificate,
+        T_world_wrist=derived.T_world_wrist,
     )
+
+
+def _certificate(grasp: Grasp, verifier: Verifier) -> Certificate:
+    """Return the certificate of a grasp; figures of resistance only if it has them: an interrupt leaves them out."""
+    names = {figure.name for figure in grasp.certificate.figures}
+    figures = verifier.check(grasp.claim).figures
+    known = {figure.name for figure in figures}
+    further = verifier.resistance(grasp.claim) if names & {"Q_force", "Q_torque"} else ()
+    return Certificate((*figures, *(figure for figure in further if figure.name not in known)))
 
 
 def _desired_points(setup: Setup, stated: Array) -> Array:
@@ -160,11 +178,11 @@ def _label(part: Any, index: int) -> str:
 def _differences(number: int | None, stated: dict[str, Any], recomputed: dict[str, Any]) -> Iterator[Difference]:
     for what in stated | recomputed:
         one, other = stated.get(what), recomputed.get(what)
-        if not _same(one, other):
+        if not _same(one, other, SOLVED if ".Q_" in what else RELATIVE):
             yield Difference(number, what, one, other)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(one: Any, other: Any, relative: float) -> bool:
     if isinstance(one, int | float) and isinstance(other, int | float):
-        return math.isclose(one, other, rel_tol=RELATIVE, abs_tol=ABSOLUTE)
+        return math.isclose(one, other, rel_tol=relative, abs_tol=ABSOLUTE)
     return bool(one == other)

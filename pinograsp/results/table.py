@@ -7,24 +7,39 @@ import math
 from rich import box
 from rich.table import Table
 
-from .grasp import Result
+from .criteria import CRITERIA, numbers_of
+from .ranking import SCORE
+from .result import Result
 
 
-def grasp_table(result: Result, rows: int = 10) -> Table:
-    """Return a table of the best grasps that fits 80 columns with seven arm joints; clear is in mm."""
-    title = f"{result.task}: best of {len(result.grasps)} distinct grasps, {result.robot} in {result.scene}"
+def grasp_table(result: Result, rows: int = 10, by: str = SCORE) -> Table:
+    """Return a table of the best grasps that differ from each other; it fits 80 columns with seven arm joints.
+
+    Grasps go by their numbers in the result, from 1; `found` counts the starts of all grasps that one stands for.
+
+    Args:
+        result: with a grasp or more.
+        rows: number of grasps at most.
+        by: the order in which they are chosen, as for `Result.ranked`.
+
+    Raises:
+        InputError: there is no such criterion or figure.
+    """
+    shown = result.different(rows, by)
+    numbers = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
+    title = f"{result.task}: {len(shown)} different of {len(result.grasps)} distinct grasps"
+    title += f", {result.robot} in {result.scene}"
     table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
-    for heading in ("", "found", "U", "Phi mm²", "V", "clear"):
+    table.caption = None if by == SCORE else f"by {by}"
+    columns = [criterion for criterion in CRITERIA if criterion.narrow]
+    for heading in ("", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns)):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("   arm joints, degrees", no_wrap=True)
-    for number, grasp in enumerate(result.grasps[:rows], 1):
+    table.add_column("   arm joints\n   °", no_wrap=True)
+    for grasp, starts, _ in shown:
         table.add_row(
-            str(number),
-            f"{grasp.count}x",
-            f"{grasp.cost.U:.4g}",
-            f"{grasp.cost.phi_mm2:.1e}",
-            f"{grasp.cost.V:.3f}",
-            f"{1e3 * grasp.certificate['enclosure clearance'].value:.1f}",
+            str(numbers[id(grasp)]),
+            f"{starts}x",
+            *(criterion.cell(numbers_of(grasp)) for criterion in columns),
             "".join(f"{math.degrees(angle):5.0f}" for angle in grasp.q_arm),
         )
     return table

@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
+from .polish import polished
 from .projection import Projection, initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
@@ -28,7 +29,7 @@ class SolverOptions:
     """Name of a backend."""
     max_evaluations: int | None = None
     """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA."""
-    tries: int = 2
+    tries: int = 3
     """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
     tolerance: float = 1e-4
     """Scaled violation that counts as feasible: 1 micrometre."""
@@ -51,7 +52,7 @@ class SolverOptions:
         """When a solve may stop."""
         return Limits(
             evaluations=self.budget,
-            violation=0.1 * self.tolerance,
+            violation=10.0 * self.tolerance,  # the last digits are polished
             cost_change=self.cost_tolerance,
             relative_cost_change=10.0 * self.cost_tolerance,
         )
@@ -143,6 +144,7 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     assignment = problem.assignment
     if best is None:
         return Solution(index, "failed", assignment, x, (), evaluations, time.perf_counter() - began, stop.message)
+    best = polished(problem, best, recorder.tolerance) if recorder.feasible else best
     state = problem.state(best.x)
     violations = problem.violations(state)
     seconds = time.perf_counter() - began

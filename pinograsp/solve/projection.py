@@ -40,7 +40,8 @@ def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterat
     """Yield the points to solve from; each further one is for where a solve from the one before failed.
 
     The second way takes the clearances in from the start: it leads elsewhere where the contacts alone have drawn the
-    arm deep into a wall.
+    arm deep into a wall. The third one holds the contacts in the middle of their pads until all else is met: a contact
+    that has slid to a rim, with its footprint or a finger in the way, does not come back.
     """
     if onto == "nothing":
         yield x
@@ -51,17 +52,25 @@ def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterat
         return
     yield _yield_to_clearances(problem, held)
     yield _yield_to_clearances(problem, x)
+    yield _descend(problem, 0.0, 1.0, _yield_to_clearances(problem, x, sliding=False), 0.0)
 
 
-def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
+def _yield_to_clearances(problem: GraspProblem, x: Array, sliding: bool = True) -> Array:
     for targets, clearances in YIELDING:
-        x = _descend(problem, targets, clearances, x, STALLED)
-    return _descend(problem, 0.0, 1.0, x, 0.0)
+        x = _descend(problem, targets, clearances, x, STALLED, sliding)
+    return _descend(problem, 0.0, 1.0, x, 0.0, sliding)
 
 
-def _descend(problem: GraspProblem, targets: float, clearances: float, x: Array, stalled: float) -> Array:
-    """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,)."""
-    unit = problem.model.robot.step_units
+def _descend(
+    problem: GraspProblem, targets: float, clearances: float, x: Array, stalled: float, sliding: bool = True
+) -> Array:
+    """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,).
+
+    Unless they are sliding, contacts stay where they are on their pads.
+    """
+    unit = problem.model.robot.step_units.copy()
+    if not sliding:
+        unit[problem.model.robot.posture_size :] = 0.0
     damping = INITIAL_DAMPING
     residual = problem.projection_residual(x, targets, clearances)
     square = float(residual.values @ residual.values)

@@ -26,13 +26,13 @@ class Recorder:
         self.best: Evaluation | None = None
         self.merit = (math.inf, math.inf)
         """Violation above the tolerance, and cost, of the best point."""
-        self._tolerance, self._budget = tolerance, budget
+        self.tolerance, self._budget = tolerance, budget
         self._last: Evaluation | None = None
 
     @property
     def feasible(self) -> bool:
         """Whether the best point keeps the constraints to the tolerance."""
-        return self.best is not None and self.best.violation <= self._tolerance
+        return self.best is not None and self.best.violation <= self.tolerance
 
     def at(self, x: Array) -> Evaluation:
         """Return the evaluation at x, shape (v,).
@@ -46,7 +46,7 @@ class Recorder:
             self._last = self.problem.evaluate(x.copy())
             self.evaluations += 1
             violation = self._last.violation
-            merit = (max(violation - self._tolerance, 0.0), self._last.cost)
+            merit = (max(violation - self.tolerance, 0.0), self._last.cost)
             if math.isfinite(violation) and math.isfinite(self._last.cost) and merit < self.merit:
                 self.best, self.merit = self._last, merit
         return self._last

@@ -120,10 +120,12 @@ class Verifier:
             InputError: a joint is missing, or there is not one contact a pad.
         """
         self._require_complete(claim)
-        pad_normals = Pads.at(self._pads, self._kinematics.poses(claim.joints)).nearest(claim.points)[1]
+        poses = self._kinematics.poses(claim.joints)
+        pad_normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
         return Derived(
             normals=-np.array([self._target.inward(point) for point in claim.points]),
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
+            T_world_wrist=poses[self._robot.arm.wrist],
             V=force_cost(claim, pad_normals, self._pads, self._task),
         )
 

@@ -15,5 +15,7 @@ class Derived:
     """Outward normals of the object at the contact points, world, shape (contacts, 3)."""
     synergies: Array
     """Synergies that come nearest to the joint angles, rad (m), shape (synergies,)."""
+    T_world_wrist: Array
+    """Pose of the wrist link, m, shape (4, 4)."""
     V: float
     """Cost of the contact forces (A7)."""

@@ -11,10 +11,13 @@ from pathlib import Path
 
 from ..disk import write_whole
 from ..errors import InputError
-from ..results.grasp import Grasp, Result
+from ..results.grasp import Grasp
+from ..results.ranking import SCORE
+from ..results.result import Result
 from ..results.setup import Setup
 from . import camera
 from .approach import draw_approach
+from .comparison import grasp_list
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
 from .page import grasp_page
@@ -48,28 +51,30 @@ def show(grasp: Grasp | Result, visualizer: Visualizer | None = None) -> Visuali
     return visualizer
 
 
-def write_html(grasp: Grasp | Result, file: Path | str, caption: str = "") -> None:
+def write_html(grasp: Grasp | Result, file: Path | str, caption: str = "", by: str = SCORE) -> None:
     """Write a grasp as one HTML file: the picture, to turn with the mouse, beside its figures.
 
     The file is complete or not there; an older one is replaced.
 
     Args:
-        grasp: a grasp of a result; of a result, the best.
+        grasp: a grasp of a result; of a result, the best, beside the list of the best that differ from each other.
         file: where to write.
-        caption: text below the figures.
+        caption: text below the heading.
+        by: of a result, which is the best, as for `Result.ranked`.
 
     Raises:
-        InputError: as for `show`, or the file cannot be written.
+        InputError: as for `show`, there is no such criterion or figure, or the file cannot be written.
     """
-    grasp, setup = _drawable(grasp)
+    listed = grasp_list(grasp, by) if isinstance(grasp, Result) and grasp.grasps else ""
+    grasp, setup = _drawable(grasp, by)
     recorder = Recorder()
     _draw(grasp, setup, Visualizer(window=recorder))
-    write_whole(Path(file), grasp_page(recorder.commands, grasp, setup, caption))
+    write_whole(Path(file), grasp_page(recorder.commands, grasp, setup, caption, listed))
 
 
-def _drawable(grasp: Grasp | Result) -> tuple[Grasp, Setup]:
+def _drawable(grasp: Grasp | Result, by: str = SCORE) -> tuple[Grasp, Setup]:
     """Return the grasp to draw, and where it belongs."""
-    chosen = grasp.best if isinstance(grasp, Result) else grasp
+    chosen = next(iter(grasp.ranked(by)), None) if isinstance(grasp, Result) else grasp
     if chosen is None:
         raise InputError("the result has no grasp to draw")
     if chosen.setup is None:

@@ -17,9 +17,11 @@ import umsgpack  # type: ignore[import-untyped]
 
 from ..results.grasp import Contact, Grasp
 from ..results.setup import Setup
+from ..results.units import shown_in
 from ..verification.certificate import Certificate, Figure
 from . import colors
 from .camera import View, close_up, whole_box, y_up
+from .comparison import criteria_table
 from .viewer import viewer_javascript
 
 
@@ -43,7 +45,7 @@ def page(title: str, panel: str, commands: list[dict[str, Any]], views: dict[str
     )
 
 
-def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, caption: str) -> str:
+def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, caption: str, listed: str = "") -> str:
     """Return the page of a grasp.
 
     Args:
@@ -51,6 +53,7 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
         grasp: the grasp that they draw.
         setup: robot, scene and task that it belongs to.
         caption: text below the heading.
+        listed: HTML of the list of grasps that it belongs to.
     """
     scene, task = setup.scene, setup.scene.task(setup.task)
     panel = (
@@ -58,7 +61,9 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
         f"<p>{escape(setup.robot.name)} in {escape(scene.name)}, task {escape(setup.task)}</p>",
         f"<p>{escape(caption)}</p>" if caption else "",
         view_button("whole-box", "Whole box") + view_button("close-up", "Close-up"),
+        listed,
         f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
+        criteria_table(grasp),
         "<table><caption>Contact forces on the object, world frame</caption>",
         "".join(_contact(contact) for contact in grasp.contacts) + "</table>",
         legend(colors.legend(regions=task.contact_region is not None, approach=task.approach is not None)),
@@ -113,10 +118,6 @@ def _contact(contact: Contact) -> str:
     return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
 
 
-SHOWN_IN = {"m": (1e3, "mm"), "N m": (1e3, "N mm"), "rad": (math.degrees(1.0), "°")}
-"""Scale and name of the unit in which the panel shows a figure."""
-
-
 def _certificate(certificate: Certificate) -> str:
     verdict = "verified" if certificate.verified else "not verified"
     rows = "".join(_figure(figure) for figure in certificate.figures)
@@ -125,8 +126,8 @@ def _certificate(certificate: Certificate) -> str:
 
 def _figure(figure: Figure) -> str:
     sign = "≥" if figure.sense == "at least" else "≤"
-    scale, unit = SHOWN_IN.get(figure.unit, (1.0, figure.unit))
-    limit = f"{sign} {scale * figure.limit:.2g}"
+    scale, unit = shown_in(figure.unit)
+    limit = f"{sign} {scale * figure.limit:.2g}" if math.isfinite(figure.limit) else ""
     where = f"<small>{escape(figure.where)}</small>" if figure.where else ""
     state = "holds" if figure.holds else "fails"
     cells = "".join(f"<td>{escape(cell)}</td>" for cell in (f"{scale * figure.value:.3g} {unit}", limit))

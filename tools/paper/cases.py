@@ -6,7 +6,7 @@ the first desired point, world +y. q_c is in mm and y in N: Table 4 has the head
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 Row = tuple[float, ...]
 STARTS = 1304
@@ -62,7 +62,7 @@ class Case:
     marks: Marks
 
 
-CASES = {
+_PAPER = {
     case.name: case
     for case in (
         Case(
@@ -136,9 +136,9 @@ CASES = {
         ),
         Case(
             name="case3",
-            title="can, limited region, case 3",
+            title="can, limited region, case 3: contact points, as in the paper",
             scene="glovebox_can",
-            task="can_region",
+            task="can_region_point",
             printed=Printed(
                 sim=4,
                 figure=12,
@@ -159,3 +159,14 @@ CASES = {
         ),
     )
 }
+
+CASES = _PAPER | {
+    "case3_footprint": replace(
+        _PAPER["case3"],
+        name="case3_footprint",
+        title="can, limited region, case 3: footprints",
+        task="can_region",
+        marks=replace(_PAPER["case3"].marks, near_best=None),
+    )
+}
+"""The paper's cases, the last one both with contact points, as the paper has it, and with footprints in the region."""

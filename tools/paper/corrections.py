@@ -73,6 +73,26 @@ CORRECTIONS = (
         "5 mm to walls and to itself (case 2: 2 mm to walls)",
         "The arm can hit itself, and a wall is not exactly where a file says.",
     ),
+    (
+        "links may touch the object, (15)",
+        "only pads may, all other links keep 1 mm",
+        "Where the palm touches too, the pads carry less than the forces that are reported.",
+    ),
+    (
+        "a contact point is in its region, (14)",
+        "the same in case 3; beside it, all that pad and object touch is",
+        "A flat pad touches a can along a line, whose ends are up to half a pad away from the point.",
+    ),
+    (
+        "joints up to their limits, (13)",
+        "arm joints keep 0.02 rad",
+        "An arm at a limit cannot follow a correction.",
+    ),
+    (
+        "hard fingers",
+        "hard fingers for the paper's hand, soft ones for the real gripper",
+        "Rubber pads resist a torque about their normal, by 2.2 mm times the friction they have left.",
+    ),
 )
 
 
@@ -81,7 +101,7 @@ def corrections_section() -> list[Block]:
     return [
         Heading(2, "Printed and used"),
         Text(
-            "Parts of what the paper prints cannot be what was run; its own tables show it. The last two rows are "
+            "Parts of what the paper prints cannot be what was run; its own tables show it. The last six rows are "
             "choices of ours."
         ),
         Table(("printed", "used", "why"), CORRECTIONS),

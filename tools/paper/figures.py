@@ -15,7 +15,7 @@ from screenshot import screenshot
 
 from .cases import Case
 from .page import Block, Heading, Pictures, Text
-from .runs import Results, Session, costs
+from .runs import Results, Session, costs, of_least_U
 
 COLORS = ("#1f4fd8", "#d2691e", "#2ca02c", "#8e44ad")
 PAPER = "#555555"
@@ -117,7 +117,7 @@ def grasps_section(session: Session, results: Results, folder: Path) -> list[Blo
     for case in session.cases:
         for robot in session.robots:
             name = robot.description.name
-            best = results[name, case.name].best
+            best = of_least_U(results[name, case.name])
             file = folder / f"grasp-{name}-{case.name}.png"
             if best is None:
                 missing.append(f"{name}, {case.title}: no grasp was found")

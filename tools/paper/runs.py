@@ -88,7 +88,12 @@ def costs(result: pinograsp.Result) -> list[float]:
 
     Near-identical grasps count with the U of the best of them.
     """
-    return [grasp.cost.U for grasp in result.grasps for _ in range(grasp.count)]
+    return [grasp.cost.U for grasp in result.ranked("U") for _ in range(grasp.count)]
+
+
+def of_least_U(result: pinograsp.Result) -> pinograsp.Grasp | None:
+    """Return the grasp of least U, which is what the paper calls the best."""
+    return next(iter(result.ranked("U")), None)
 
 
 def near_best(of: list[float], best: float) -> int:

@@ -12,7 +12,7 @@ from pinograsp.descriptions import SceneDescription
 from .cases import CASES, V_LEAST, Case
 from .figures import draw_trade_off
 from .page import Block, Heading, Pictures, Table, Text
-from .runs import Session, costs, near_best, run
+from .runs import Session, costs, near_best, of_least_U, run
 
 WEIGHTS = (0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4)
 CASE = CASES["case2"]
@@ -28,12 +28,13 @@ def sweep_section(session: Session, starts: int, folder: Path) -> list[Block]:
         # A grasp found with one weight may be the best known for another.
         found = [grasp.cost for result in results.values() for grasp in result.grasps]
         for k, result in results.items():
-            if result.best is None:
+            best_own = of_least_U(result)
+            if best_own is None:
                 rows.append((name, f"{k:g}", str(result.reliable), *6 * ("-",)))
                 continue
             best = min(found, key=lambda cost, k=k: cost.phi_mm2 + k * cost.V)
             curves.setdefault(name, []).append((k, best.phi_mm2, best.V))
-            own = result.best.cost
+            own = best_own.cost
             near = f"{100 * near_best(costs(result), own.U) / result.reliable:.1f} %"
             values = [text for cost in (own, best) for text in (f"{cost.phi_mm2:.2f}", f"{cost.V:.4f}")]
             rows.append((name, f"{k:g}", str(result.reliable), near, f"{own.U:.6g}", *values))

@@ -10,7 +10,7 @@ import pinograsp
 
 from .cases import STARTS, Case, Row
 from .page import Block, Heading, Table, Text
-from .runs import Results, Session, costs, near_best, search_seconds
+from .runs import Results, Session, costs, near_best, of_least_U, search_seconds
 
 
 def introduction(session: Session) -> list[Block]:
@@ -56,8 +56,9 @@ def _printed_row(case: Case) -> tuple[str, ...]:
 
 def _row(case: Case, robot: str, result: pinograsp.Result) -> tuple[str, ...]:
     near, values = "-", ("-", "-", "-")
-    if result.best is not None:
-        cost = result.best.cost
+    best = of_least_U(result)
+    if best is not None:
+        cost = best.cost
         near = _share(near_best(costs(result), cost.U), result.reliable)
         values = (_number(cost.U), _number(cost.phi_mm2), f"{cost.V:.4f}")
     times = (f"{search_seconds(result):.1f} s", f"{1e3 * result.times['solver_mean']:.1f} ms")
@@ -81,7 +82,7 @@ def marks_section(session: Session, results: Results) -> list[Block]:
 
 def judge(case: Case, result: pinograsp.Result) -> dict[str, str]:
     """Return, by mark, what was reached and whether that is enough."""
-    marks, best = case.marks, result.best
+    marks, best = case.marks, of_least_U(result)
     U = np.inf if best is None else best.cost.U
     share = result.reliable / max(result.done, 1)
     near = near_best(costs(result), U) / max(result.reliable, 1)
@@ -116,7 +117,7 @@ def printed_tables_section(session: Session, results: Results) -> list[Block]:
         table_5.append((label, "paper", *(_vector(row) for row in (printed.q, printed.q_r, printed.f_1, printed.f_2))))
         base = np.array(pinograsp.load_scene(case.scene).mounting.matrix)[:3, :3]
         for name in session.names:
-            best = results[name, case.name].best
+            best = of_least_U(results[name, case.name])
             if best is None:
                 table_4.append((label, name, *4 * ("-",)))
                 table_5.append((label, name, *4 * ("-",)))

@@ -1,7 +1,8 @@
 """Geometry of the shapes of a scene: one file a shape, registered in `SURFACES`.
 
-A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, the least
-width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and triangles.
+A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, its contact
+faces, the least width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and
+triangles.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import Any, Protocol
 
 from ...arrays import Array
 from ...descriptions import shapes as described
+from ..contact_faces import ContactFace
 from ..tessellation import Tessellation
 from .box import BoxSurface
 from .cylinder import CylinderSurface
@@ -30,6 +32,10 @@ class Surface(Protocol):
 
         The gradient on the surface is the outward normal.
         """
+        ...
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the part of the surface in its tangent plane at the surface point nearest to `point`, shape (3,)."""
         ...
 
     def extent(self, direction: Array) -> float:

@@ -10,6 +10,7 @@ import trimesh
 
 from ...arrays import Array
 from ...descriptions.shapes import Box
+from ..contact_faces import ContactFace, Flat
 from ..tessellation import Tessellation, tessellation_of
 
 
@@ -35,6 +36,17 @@ class BoxSurface:
         hessians = active[:, :, None] * np.eye(3) - gradients[:, :, None] * gradients[:, None, :]
         hessians *= np.where(outside > 0, 1.0 / length[:, 0], 0.0)[:, None, None]
         return distances, gradients, hessians
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the face that is nearest to the point, of those at an edge one."""
+        axis = int((np.abs(point) - self._half).argmax())
+        sign = -1.0 if point[axis] < 0.0 else 1.0
+        first, second = ((axis + 1) % 3, (axis + 2) % 3) if sign > 0.0 else ((axis + 2) % 3, (axis + 1) % 3)
+        corners = np.empty((4, 3))
+        corners[:, axis] = sign * self._half[axis]
+        corners[:, first] = self._half[first] * np.array([-1.0, 1.0, 1.0, -1.0])
+        corners[:, second] = self._half[second] * np.array([-1.0, -1.0, 1.0, 1.0])
+        return Flat(corners, sign * np.eye(3)[axis])
 
     def extent(self, direction: Array) -> float:
         """Return the sum of half edges times |direction|."""

@@ -16,10 +16,11 @@ import trimesh
 from ...arrays import Array
 from ...compiled import compiled
 from ...descriptions.shapes import Cylinder
+from ..contact_faces import ContactFace, Flat, Ruling
 from ..tessellation import Tessellation, tessellation_of
 
 SECTIONS = 48
-"""Sides of the prism that stands for a cylinder in a tessellation."""
+"""Sides of the prism that stands for a cylinder in a tessellation, and of the polygon around a cap."""
 MOST_RINGS, CAP_RINGS = 24, 4
 """Rings of its side at most, and of each cap: slender triangles would fall into a great many small ones."""
 
@@ -36,6 +37,17 @@ class CylinderSurface:
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian; side and caps inside are told apart by the nearer one."""
         return _signed_distance(points, self._radius, self._half)
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the straight line of the side, or the cap, whichever is nearer; a cap as a polygon around the disc."""
+        x, y, z = point
+        if math.hypot(x, y) - self._radius >= abs(z) - self._half:
+            return Ruling(np.array([0.0, 0.0, 1.0]), -self._half - z, self._half - z)
+        top = 1.0 if z >= 0.0 else -1.0
+        angles = top * (np.arange(SECTIONS) + 0.5) * 2.0 * math.pi / SECTIONS
+        radius = self._radius / math.cos(math.pi / SECTIONS)
+        rim = [radius * np.cos(angles), radius * np.sin(angles), np.full(SECTIONS, top * self._half)]
+        return Flat(np.column_stack(rim), np.array([0.0, 0.0, top]))
 
     def extent(self, direction: Array) -> float:
         """Return r |direction across the axis| + h/2 |direction along it|."""

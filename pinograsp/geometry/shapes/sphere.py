@@ -10,6 +10,7 @@ import trimesh
 
 from ...arrays import Array
 from ...descriptions.shapes import Sphere
+from ..contact_faces import ContactFace, Spot
 from ..tessellation import Tessellation, tessellation_of
 
 SUBDIVISIONS = 3
@@ -33,6 +34,10 @@ class SphereSurface:
         normals = points / length[:, None]
         hessians = (np.eye(3) - normals[:, :, None] * normals[:, None, :]) / length[:, None, None]
         return norm - self.radius, normals, hessians
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return a spot."""
+        return Spot()
 
     def extent(self, direction: Array) -> float:
         """Return r |direction|."""

@@ -1,4 +1,4 @@
-"""Contact region: every contact is in the part of the surface where the task lets it be, (14) of the paper."""
+"""Contact region: every contact point is in the part of the surface where the task lets it be, (14) of the paper."""
 
 from __future__ import annotations
 
@@ -39,5 +39,7 @@ class ContactRegion(Inside):
 
 
 def contact_region(model: TaskModel) -> ContactRegion | None:
-    """Return the constraint, or None if the whole surface is allowed."""
-    return None if model.region is None else ContactRegion(model, model.region)
+    """Return the constraint, or None if the whole surface is allowed, or footprints are to be in a region."""
+    if model.region is None or model.task.contact_regions != "point":
+        return None
+    return ContactRegion(model, model.region)

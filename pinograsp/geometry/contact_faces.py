@@ -1,0 +1,90 @@
+"""Contact faces: the parts of a convex surface that lie in its tangent plane at a point.
+
+Two convex bodies that are tangent at a point touch in the intersection of their contact faces there: the footprint.
+A surface that bends in every direction has a spot, one that is ruled a straight line, a flat one an area.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+
+
+@dataclass(frozen=True)
+class Spot:
+    """The point alone."""
+
+
+@dataclass(frozen=True)
+class Ruling:
+    """A straight line through the point."""
+
+    direction: Array
+    """Unit vector, shape (3,); it does not depend on where on the surface the point is."""
+    low: float
+    """Where it begins, seen from the point along `direction`, m; not positive for a point of the surface."""
+    high: float
+    """Where it ends, m."""
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A convex polygon."""
+
+    corners: Array
+    """Counterclockwise about the outward normal, m, shape (k, 3)."""
+    normal: Array
+    """Outward unit normal, shape (3,)."""
+
+    def inward(self) -> Array:
+        """Return the inward unit normals of the edges, edge i from corner i to the next, shape (k, 3)."""
+        along = np.roll(self.corners, -1, axis=0) - self.corners
+        across = np.cross(self.normal, along)
+        return np.asarray(across / np.linalg.norm(across, axis=1)[:, None])
+
+    def room(self, points: Array) -> Array:
+        """Return the distances of points from every edge, negative beyond it, m, shape (n, k)."""
+        inward = self.inward()
+        return np.asarray(points @ inward.T - (self.corners * inward).sum(axis=1))
+
+
+ContactFace = Spot | Ruling | Flat
+
+
+def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
+    """Return the distance of a point of the surface from the nearest edge of its contact face, and the gradient.
+
+    A spot has no edge: the distance is infinite.
+    """
+    match face:
+        case Ruling():
+            return (-face.low, face.direction) if -face.low < face.high else (face.high, -face.direction)
+        case Flat():
+            room = face.room(point[None])[0]
+            nearest = int(room.argmin())
+            return float(room[nearest]), face.inward()[nearest]
+    return float("inf"), np.zeros(3)
+
+
+def clipped(first: Flat, second: Flat) -> Array:
+    """Return the corners of the part of a polygon that another one covers, in order; empty if there is none.
+
+    The polygons lie in one plane; what the second has in corners beyond it counts as projected on it.
+    """
+    corners, room = first.corners, second.room
+    for edge in range(len(second.corners)):
+        if not len(corners):
+            break
+        inside = room(corners)[:, edge]
+        kept = []
+        for i in range(len(corners)):
+            j = (i + 1) % len(corners)
+            if inside[i] >= 0.0:
+                kept.append(corners[i])
+            if (inside[i] > 0.0) != (inside[j] > 0.0) and inside[i] != inside[j]:
+                kept.append(corners[i] + inside[i] / (inside[i] - inside[j]) * (corners[j] - corners[i]))
+        corners = np.array(kept).reshape(-1, 3)
+    return corners
