@@ -257,7 +257,7 @@ def test_figures(case: Case) -> None:
     assert all(figure.unit == "m/s^2" and figure.sense == "at least" and figure.holds for figure in figures)
     assert all(figure.limit == -math.inf and figure.value > 0.1 for figure in figures)
     assert all(len(figure.where) == 2 for figure in figures)
-    hard = resistance(case, case.scene())
+    hard = resistance(case, case.scene(contact_model={"model": "hard_finger"}))
     assert hard["Q_torque"] == 0.0
     # The line from pad to pad passes the centre of the ball.
     assert hard["Q_force"] > 1.0

@@ -50,13 +50,13 @@ class Synergies:
         return dict(zip(self.names, np.linalg.lstsq(self.matrix, moved, rcond=None)[0].tolist(), strict=True))
 
     def rates(self, joints: Iterable[Joint]) -> dict[str, Array]:
-        """Return by how much each joint that the hand moves changes per unit of each synergy, shape (synergies,).
+        """Return by how much each joint that synergies move changes per unit of each synergy, shape (synergies,).
 
         Args:
             joints: all movable joints of the URDF; those that mimic a joint of the hand change with it.
         """
         named = {joint.name: joint for joint in joints}
-        own = dict(zip(self.joints, self.matrix, strict=True))
+        own = {name: row for name, row in zip(self.joints, self.matrix, strict=True) if row.any()}
         found: dict[str, Array] = {}
         for name in named:
             leader, factor = named[name], 1.0
