@@ -178,6 +178,10 @@ def test_large_footprints_are_thinned() -> None:
     assert len(few) == 8
     assert area(few) > 0.89 * area(circle)
     assert thinned(few, 8) is few
+    # Nearly all corners of this one are on two short arcs.
+    pad = on_the_pad(CAN | {"radius": 0.0205}, (0.0, 0.0, 0.05), (0, 0, 0))
+    assert len(pad) > 100
+    assert area(thinned(pad, 7)) > 0.9 * area(pad)
 
 
 # ---- how deep in a region

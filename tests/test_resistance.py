@@ -272,6 +272,26 @@ def test_less_friction_resists_less(case: Case) -> None:
     assert resistance(case, softened(case, 0.2))["Q_force"] == 0.0  # too little for the load itself
 
 
+def test_larger_footprints_resist_more(case: Case) -> None:
+    """A ball, a can that lies along the pads, a box: a point, a line, an area, squeezed alike."""
+    R = np.column_stack([case.jaw, np.cross(case.across, case.jaw), case.across])
+    rpy = [math.atan2(R[2, 1], R[2, 2]), math.asin(-R[2, 0]), math.atan2(R[1, 0], R[0, 0])]
+    pose = {"position": case.center.tolist(), "rpy": rpy}
+    found = []
+    for shape in (
+        {"type": "sphere", "radius": case.radius},
+        {"type": "cylinder", "radius": case.radius, "height": 0.05},
+        {"type": "box", "size": [2 * case.radius, 0.05, 0.05]},
+    ):
+        given = softened(case).model_dump()
+        given["objects"]["sphere"] = {"shape": shape, "pose": pose}
+        found.append(resistance(case, SceneDescription.model_validate(given)))
+    point, line, area = (figures["Q_torque"] for figures in found)
+    assert point < 0.9 * line
+    assert line < 0.9 * area
+    assert found[0]["Q_force"] <= found[1]["Q_force"] * (1 + 1e-6) <= found[2]["Q_force"] * (1 + 2e-6)
+
+
 def test_a_heavier_object_is_accelerated_less(case: Case) -> None:
     """The mass is what the force weighs on Earth, if the object has none of its own."""
     given = softened(case).model_dump()

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, cross
 
 PARALLEL = math.radians(1.0)
 """Angle between two lines up to which they count as parallel, rad."""
@@ -52,10 +52,15 @@ def footprint(pad_face: Array, object_face: Array, point: Array, normal: Array) 
 
 
 def thinned(vertices: Array, most: int) -> Array:
-    """Return at most so many of the vertices of a footprint, shape (k, 3), evenly spread over their order."""
+    """Return at most so many of the vertices of a footprint, shape (k, 3): the outermost in directions all round."""
     if len(vertices) <= most:
         return vertices
-    return vertices[(np.arange(most) * len(vertices)) // most]
+    spokes = vertices - vertices[0]
+    normal = cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
+    flat = spokes @ _tangents(normal / math.sqrt(normal @ normal)).T
+    angles = np.arange(most) * (2 * math.pi / most)
+    outermost = (flat @ np.array([np.cos(angles), np.sin(angles)])).argmax(axis=0)
+    return np.asarray(vertices[np.unique(outermost)])
 
 
 def _tangents(normal: Array) -> Array:
