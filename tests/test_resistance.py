@@ -263,6 +263,16 @@ def test_figures(case: Case) -> None:
     assert hard["Q_force"] > 1.0
 
 
+def test_a_small_residual_does_not_count(case: Case) -> None:
+    """Of hard fingers, which balance some wrenches not at all: forces off by 1 uN, points by 1 um."""
+    hard = case.scene(contact_model={"model": "hard_finger"})
+    exact, rng = resistance(case, hard)["Q_force"], np.random.default_rng(0)
+    for _ in range(5):
+        forces = case.claim.forces + 1e-6 * rng.normal(size=(2, 3))
+        points = case.claim.points + 1e-6 * rng.normal(size=(2, 3))
+        assert resistance(case, hard, forces=forces, points=points)["Q_force"] == pytest.approx(exact, rel=1e-3)
+
+
 def test_less_friction_resists_less(case: Case) -> None:
     found = [resistance(case, softened(case, mu)) for mu in (0.9, 0.7, 0.5, 0.3)]
     for name in ("Q_force", "Q_torque"):

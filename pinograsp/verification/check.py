@@ -105,7 +105,9 @@ class Verifier:
             InputError: a joint is missing, or there is not one contact a pad.
         """
         self._require_complete(claim)
-        poses = self._kinematics.poses(claim.joints)
+        return self._hold(claim, self._kinematics.poses(claim.joints))
+
+    def _hold(self, claim: Claim, poses: Poses) -> Hold:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
         areas = footprints(claim.points, inward, pads, self._target)
@@ -164,7 +166,9 @@ class Verifier:
         arm = self._robot.arm
         figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
         figures += self._preferences(claim, poses)
-        return figures if self._task.withstand is None else [*figures, *self.resistance(claim)]
+        if self._task.withstand is not None and self._mass is not None:
+            figures += resistance_figures(self._hold(claim, poses), self._mass, self._task.withstand)
+        return figures
 
     def _joints(self, angles: dict[str, float]) -> list[Figure]:
         limits, joints = self._robot.limits, self._kinematics.joints
