@@ -124,6 +124,6 @@ class StiffnessDescription(Frozen):
     """Compliance of the hand, section 3.1 of the paper."""
 
     joint: Positive
-    """k_ss, N m / rad (N / m if it slides), of every hand joint."""
+    """k_ss, N m / rad (N / m if it slides), of every hand joint that synergies move; others count as rigid."""
     contact: Positive
     """k_stru, N / m, of every contact force component."""
