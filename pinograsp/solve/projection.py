@@ -40,8 +40,9 @@ def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterat
     """Yield the points to solve from; each further one is for where a solve from the one before failed.
 
     The second way takes the clearances in from the start: it leads elsewhere where the contacts alone have drawn the
-    arm deep into a wall. The third one holds the contacts in the middle of their pads until all else is met: a contact
-    that has slid to a rim, with its footprint or a finger in the way, does not come back.
+    arm deep into a wall. The third one does not want the desired points, and holds the contacts in the middle of their
+    pads until all else is met: a contact that has slid to a rim, with its footprint or a finger in the way, does not
+    come back.
     """
     if onto == "nothing":
         yield x
@@ -52,13 +53,13 @@ def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterat
         return
     yield _yield_to_clearances(problem, held)
     yield _yield_to_clearances(problem, x)
-    yield _descend(problem, 0.0, 1.0, _yield_to_clearances(problem, x, sliding=False), 0.0)
+    yield _descend(problem, 0.0, 1.0, _descend(problem, 0.0, 1.0, x, 0.0, sliding=False), 0.0)
 
 
-def _yield_to_clearances(problem: GraspProblem, x: Array, sliding: bool = True) -> Array:
+def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
     for targets, clearances in YIELDING:
-        x = _descend(problem, targets, clearances, x, STALLED, sliding)
-    return _descend(problem, 0.0, 1.0, x, 0.0, sliding)
+        x = _descend(problem, targets, clearances, x, STALLED)
+    return _descend(problem, 0.0, 1.0, x, 0.0)
 
 
 def _descend(

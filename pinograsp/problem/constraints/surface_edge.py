@@ -1,6 +1,7 @@
-"""Surface edge: contact points keep the task's reserve from the edges of the object's surface.
+"""Surface edge: contact points are on a face of the object's surface, and keep the task's reserve from its edges.
 
-A contact in a surface's tangent plane and on the surface is on its contact face; without a reserve no more is asked.
+Without a reserve, contact and tangency ask for the same. But a contact that has slid over an edge, where the signed
+distance bends round a corner, does not find back from these alone.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...geometry.contact_faces import edge_distance
+from ...geometry.contact_faces import Spot, edge_distance
 from ..constraint import PER_METRE, Inside, Residual, Violation
 from ..state import State
 from ..task_model import TaskModel
@@ -47,5 +48,5 @@ class SurfaceEdge(Inside):
 
 
 def surface_edge(model: TaskModel) -> SurfaceEdge | None:
-    """Return the constraint, or None if the task asks for no reserve."""
-    return SurfaceEdge(model) if model.task.reserve.rim > 0.0 else None
+    """Return the constraint, or None if the object's surface has no edges."""
+    return None if isinstance(model.contact_face(model.desired_points[0]), Spot) else SurfaceEdge(model)
