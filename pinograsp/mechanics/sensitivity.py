@@ -27,6 +27,9 @@ from .contacts import ContactDerivatives, ContactModels, Contacts, Rows
 from .forces import ForceSolution
 from .statics import Statics
 
+ROUNDING = 1e-8
+"""Part of the wrench below which its residual is rounding."""
+
 
 def force_cost_gradient(
     statics: Statics,
@@ -60,7 +63,7 @@ def residual_gradient(statics: Statics, derivatives: ContactDerivatives, models:
     """Return the slope of norm(statics.residual), shape (v,); zero where the residual is only rounding."""
     norm = float(np.linalg.norm(statics.residual))
     gradient = np.zeros(derivatives.points.shape[2])
-    if norm > 1e-10 * float(np.linalg.norm(statics.load.scaled)):
+    if norm > ROUNDING * float(np.linalg.norm(statics.load.scaled)):
         weight, rho = 1.0 / norm, statics.load.rho
         _add_grasp_matrix_change(gradient, weight, statics.residual, statics.f_p, rho, derivatives, models.rows)
     return gradient
