@@ -94,8 +94,8 @@ def test_good_grasps_with_the_hand_of_the_paper(
 def test_good_grasps_with_curved_pads(curved_gen3: RobotModel, glovebox: SceneDescription) -> None:
     """A cylinder and a sphere, from the same database: it belongs to the arm. The check judges both by itself.
 
-    Below V* of two opposite contacts: pads that are not parallel may hold the sphere a little from below. The pads bulge
-    out of flat finger tips by less than the margin that a task has by default.
+    Below V* of two opposite contacts: pads that are not parallel may hold the sphere a little from below. The pads
+    bulge out of flat finger tips by less than the margin that a task has by default.
     """
     scene = changed(glovebox, "tasks", margin={"object": 0.0})
     result = plan(curved_gen3, scene, "sphere", starts=10, workers=1, seed=0)
