@@ -13,7 +13,7 @@ from .film import write_film
 from .mjcf import HandAndObject, HoldModel
 from .options import HoldOptions
 from .outcome import FirstSlip, HoldOutcome, PadForce
-from .run import HoldProgress, hold_test
+from .run import HoldProgress, hold_test, in_order
 from .simulation import Phase, Simulation
 from .write import write_mjcf
 
@@ -28,6 +28,7 @@ __all__ = [
     "Phase",
     "Simulation",
     "hold_test",
+    "in_order",
     "write_film",
     "write_mjcf",
 ]

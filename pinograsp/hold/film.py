@@ -26,7 +26,7 @@ _DISTANCE = 0.5
 """Of the camera from the object, m."""
 _ALONG = 0.4
 """How much it looks along the hand."""
-_RED, _BLUE = (0.85, 0.1, 0.1, 1.0), (0.1, 0.2, 0.85, 1.0)
+_RED, _BLUE = (200, 20, 30), (20, 50, 200)
 _RATE = 20.0
 """Frames a second."""
 _BACKENDS = ("egl", "osmesa", "glfw", "cgl")
@@ -36,8 +36,8 @@ _BACKENDS = ("egl", "osmesa", "glfw", "cgl")
 def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = None) -> None:
     """Write an animated GIF of a grasp that settles, is shaken and turned.
 
-    The base of the hand stays where it is: what moves is the object against the hand. An arrow shows the acceleration
-    of the base.
+    The base of the hand stays where it is: what moves is the object against the hand. A red arrow shows the
+    acceleration of the base, a blue one the axis about which it is turned.
 
     Args:
         grasp: of a result.
@@ -103,27 +103,31 @@ class _Camera:
         library, (width, height) = self._library, _SIZE
         scene, context = self._drawn(simulation.model)
         camera, options = library.MjvCamera(), library.MjvOption()
-        library.mjv_defaultFreeCamera(simulation.model, camera)
-        self._aim(camera, simulation)
+        forward, center = self._forward(simulation), simulation.data.body(OBJECT).xpos.copy()
+        camera.lookat[:], camera.distance = center, _DISTANCE
+        camera.azimuth = math.degrees(math.atan2(forward[1], forward[0]))
+        camera.elevation = math.degrees(math.asin(forward[2]))
         everything = library.mjtCatBit.mjCAT_ALL
         library.mjv_updateScene(simulation.model, simulation.data, options, None, camera, everything, scene)
-        self._add_load(scene, simulation)
         view, pixels = library.MjrRect(0, 0, width, height), np.empty((height, width, 3), dtype=np.uint8)
         library.mjr_render(view, scene, context)
         library.mjr_readPixels(pixels, None, view, context)
         image = Image.fromarray(pixels[::-1])
-        ImageDraw.Draw(image).text((10, 10), f"{simulation.phase}   {simulation.data.time:.2f} s", fill=(20, 20, 20))
+        drawing = ImageDraw.Draw(image)
+        drawing.text((10, 10), simulation.phase, fill=(20, 20, 20), font_size=20)
+        focus = height / 2 / math.tan(math.radians(simulation.model.vis.global_.fovy) / 2)
+        for vector, length, colour in ((simulation.acceleration, 0.02, _RED), (simulation.spin, 0.01, _BLUE)):
+            if np.linalg.norm(vector) > 0.0:
+                _draw_arrow(drawing, _projected(length * vector, forward, focus), colour)
         return image.quantize(128)
 
-    def _aim(self, camera: Any, simulation: Simulation) -> None:
-        """Look from above across the hand, a little along it, so that fingers and object are seen side by side."""
+    def _forward(self, simulation: Simulation) -> Array:
+        """Return where to look: from above across the hand and a little along it, so that nothing hides the object."""
         along = simulation.data.body(OBJECT).xpos - simulation.model.body(1).pos  # the first body is the hand's base
         along = along / np.linalg.norm(along)
         aside = np.cross(self._across, along)
         forward = math.copysign(1.0, -aside[2]) * aside + _ALONG * along
-        x, y, z = forward / np.linalg.norm(forward)
-        camera.azimuth, camera.elevation = math.degrees(math.atan2(y, x)), math.degrees(math.asin(z))
-        camera.distance = _DISTANCE
+        return np.asarray(forward / np.linalg.norm(forward))
 
     def _drawn(self, model: Any) -> tuple[Any, Any]:
         if self._drawing is None:
@@ -132,15 +136,27 @@ class _Camera:
             self._drawing = self._library.MjvScene(model, maxgeom=1000), context
         return self._drawing
 
-    def _add_load(self, scene: Any, simulation: Simulation) -> None:
-        """Add an arrow along the acceleration of the base (red), or about which it turns (blue)."""
-        center = simulation.data.body(OBJECT).xpos
-        for vector, length, colour in ((simulation.acceleration, 0.02, _RED), (simulation.spin, 0.01, _BLUE)):
-            if np.linalg.norm(vector) > 0.0:
-                arrow, kind = scene.geoms[scene.ngeom], self._library.mjtGeom.mjGEOM_ARROW
-                self._library.mjv_initGeom(arrow, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), np.array(colour))
-                self._library.mjv_connector(arrow, kind, 0.004, center, center + length * vector)
-                scene.ngeom += 1
+
+def _projected(vector: Array, forward: Array, focus: float) -> tuple[float, float]:
+    """Return the pixel to which a vector from the middle of the picture leads; focus is the focal length in pixels."""
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    scale = focus / (_DISTANCE + float(vector @ forward))
+    return _SIZE[0] / 2 + scale * float(vector @ right), _SIZE[1] / 2 - scale * float(vector @ up)
+
+
+def _draw_arrow(drawing: Any, tip: tuple[float, float], colour: tuple[int, int, int]) -> None:
+    """Draw an arrow from the middle of the picture; one that points at the viewer is a dot."""
+    start = np.array(_SIZE) / 2
+    shaft = np.array(tip) - start
+    length = float(np.linalg.norm(shaft))
+    drawing.ellipse([*(start - 4.0), *(start + 4.0)], fill=colour)
+    if length > 1.0:
+        along, across = shaft / length, np.array([-shaft[1], shaft[0]]) / length
+        neck = start + (length - 14.0) * along
+        drawing.line([*start, *neck], fill=colour, width=4)
+        drawing.polygon([tuple(point) for point in (tip, neck + 7.0 * across, neck - 7.0 * across)], fill=colour)
 
 
 def _context() -> Any:

@@ -65,7 +65,7 @@ def hold_test(
         raise InputError(f"must be at least 1, not {best}", key="best")
     mujoco()
     options = options or HoldOptions()
-    numbered = list(enumerate(_listed(grasps)[:best], 1))
+    numbered = list(enumerate(in_order(grasps)[:best], 1))
     outcomes: list[HoldOutcome] = []
     try:
         with own_workers(min(workers, len(numbered)) if workers and numbered else workers) as running:
@@ -78,7 +78,8 @@ def hold_test(
     return tuple(sorted(outcomes, key=lambda outcome: outcome.grasp))
 
 
-def _listed(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
+def in_order(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
+    """Return the grasps of a result, the best first; or what is given."""
     if isinstance(grasps, Grasp):
         return (grasps,)
     if not isinstance(grasps, Result):
