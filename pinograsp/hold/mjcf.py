@@ -10,7 +10,6 @@ The model's rest position is the grasp, and the drive is part of it: opened in a
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +22,7 @@ from ..descriptions.hand import PadDescription
 from ..results import Grasp, Setup
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
+from .drive import Drive, coupled, numbers, servos
 from .hand import HandLink, driver_torque, factors, hand_links
 from .objects import mass_of, object_body
 from .options import HoldOptions
@@ -41,12 +41,9 @@ _OPTIONS = {
     "noslip_iterations": "10",
     "tolerance": "1e-10",
 }
+BEHIND = 2e-4
+"""How far behind the face of a pad its link begins, m."""
 _STIFF = {"solref": "0.004 1", "solimp": "0.95 0.99 0.001"}
-_COUPLED = {"solref": "0.002 1", "solimp": "0.99 0.999 0.0001"}
-_ARMATURE = {False: 1e-3, True: 5e-2}
-"""Inertia of the drives, added to every joint that turns, kg m^2, or slides, kg: hands have it, URDFs lack it."""
-_DAMPING = {False: 1e-2, True: 1.0}
-"""Of every joint under torque control, N m s / rad, N s / m: without effect at rest."""
 _PAD_INERTIA = 0.5
 """Of a pad on springs, kg: MuJoCo's contacts give way the more the lighter the bodies are, and the springs should."""
 _FIRM = {"solimp": "0.99 0.999 0.001"}
@@ -97,7 +94,9 @@ class HandAndObject:
 
     @cached_property
     def _pieces(self) -> dict[str, list[Array]]:
-        return link_pieces(self._urdf, self._robot, [link.name for link in self._links], self._robot.pads)
+        # Pads on springs give way, and the link must not touch then.
+        yielding = self._task.contact.max_force / self._robot.stiffness.contact if self._servos else 0.0
+        return link_pieces(self._urdf, self._robot, self.links, self._robot.pads, BEHIND + 2.0 * yielding)
 
     @property
     def links(self) -> tuple[str, ...]:
@@ -115,12 +114,12 @@ class HandAndObject:
         gravity = np.array(self._task.wrench.force) / self._mass
         root = ET.Element("mujoco", model="hold")
         ET.SubElement(root, "compiler", angle="radian", boundmass="0.001", boundinertia="1e-6", balanceinertia="true")
-        ET.SubElement(root, "option", _OPTIONS, gravity=_text(gravity))
+        ET.SubElement(root, "option", _OPTIONS, gravity=numbers(gravity))
         pose = self._object.pose.matrix
         _surroundings(root, pose[:3, 3])
         world, assets = ET.SubElement(root, "worldbody"), ET.SubElement(root, "asset")
         ET.SubElement(assets, "texture", _SKY)
-        ET.SubElement(world, "light", pos=_text(pose[:3, 3] + [0.3, -0.4, 0.8]), dir="-0.3 0.4 -0.8")
+        ET.SubElement(world, "light", pos=numbers(pose[:3, 3] + [0.3, -0.4, 0.8]), dir="-0.3 0.4 -0.8")
         drive = self._drive(grasp, poses)
         self._add_hand(world, assets, poses, drive, shown)
         self._add_object(world, pose)
@@ -134,14 +133,13 @@ class HandAndObject:
             slack=np.array(drive.slack),
         )
 
-    def _drive(self, grasp: Grasp, poses: Poses) -> _Drive:
+    def _drive(self, grasp: Grasp, poses: Poses) -> Drive:
         if self._servos:
-            stiffness = self._robot.stiffness.joint
-            return _servos(grasp, [link for link in self._links if link.joint], stiffness)
+            return servos(grasp, self._links, self._robot.stiffness.joint)
         moved = factors(self._robot, self._urdf)
-        return _coupled(grasp, moved, driver_torque(self._links, poses, grasp.contacts, moved))
+        return coupled(grasp, moved, driver_torque(self._links, poses, grasp.contacts, moved))
 
-    def _add_hand(self, world: ET.Element, assets: ET.Element, poses: Poses, drive: _Drive, shown: bool) -> None:
+    def _add_hand(self, world: ET.Element, assets: ET.Element, poses: Poses, drive: Drive, shown: bool) -> None:
         bodies: dict[str | None, ET.Element] = {None: world}
         for link in self._links:
             T = poses[link.name] if link.parent is None else np.linalg.inv(poses[link.parent]) @ poses[link.name]
@@ -150,7 +148,7 @@ class HandAndObject:
             _add_inertia(body, link)
             if link.joint is not None and link.joint.name in drive.joints:
                 kind, angle = "slide" if link.joint.slides else "hinge", drive.joints[link.joint.name]
-                attributes = {"axis": _text(link.joint.axis), "ref": _text([angle])} | drive.of(link.joint.slides)
+                attributes = {"axis": numbers(link.joint.axis), "ref": numbers([angle])} | drive.of(link.joint.slides)
                 ET.SubElement(body, "joint", attributes, name=link.joint.name, type=kind)
             for k, vertices in enumerate(self._pieces[link.name]):
                 _add_mesh(body, assets, f"{LINK}:{link.name}:{k}", vertices, self._touching(), shown=not shown)
@@ -171,14 +169,14 @@ class HandAndObject:
         if self._servos:
             # Structural compliance (3.1): the pad gives along each axis of its frame.
             body = ET.SubElement(body, "body", _placed(T), name=f"pad of {pad.link}: {pad.name}", gravcomp="1")
-            inertia = _text([1e-6] * 3)
+            inertia = numbers([1e-6] * 3)
             ET.SubElement(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=inertia)
             stiffness = self._robot.stiffness.contact
             damping = 2.0 * float(np.sqrt(stiffness * _PAD_INERTIA))
             spring = {"type": "slide", "stiffness": f"{stiffness!r}", "damping": f"{damping!r}"}
             spring["armature"] = f"{_PAD_INERTIA}"
             for axis in np.eye(3):
-                ET.SubElement(body, "joint", spring, axis=_text(axis))
+                ET.SubElement(body, "joint", spring, axis=numbers(axis))
             T = np.eye(4)
         P = np.eye(4)
         P[:3, :3], P[:3, 3] = solid.rotation, solid.center
@@ -187,65 +185,17 @@ class HandAndObject:
         attributes |= _FIRM if self._servos else {}
         name, colour = f"{PAD}:{pad.name}", "0.15 0.15 0.17 1"
         ET.SubElement(
-            body, "geom", attributes | _placed(T @ P), name=name, type=solid.kind, size=_text(solid.size), rgba=colour
+            body, "geom", attributes | _placed(T @ P), name=name, type=solid.kind, size=numbers(solid.size), rgba=colour
         )
 
     def _add_object(self, world: ET.Element, pose: Array) -> None:
         body = ET.SubElement(world, "body", _placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
-        inertia = _text(self._mass * self._body.inertia)
-        center = _text(self._object.center_of_mass)
+        inertia = numbers(self._mass * self._body.inertia)
+        center = numbers(self._object.center_of_mass)
         ET.SubElement(body, "inertial", pos=center, mass=f"{self._mass!r}", diaginertia=inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
         ET.SubElement(body, "geom", self._body.geom | touching, name=OBJECT)
-
-
-@dataclass(frozen=True)
-class _Drive:
-    """How the hand's joints are driven."""
-
-    joints: dict[str, float]
-    """Joints that move, and their angles at the grasp."""
-    elements: tuple[ET.Element, ...]
-    """Couplings and actuators."""
-    slack: tuple[float, ...]
-    stiffness: float | None
-    """Of servos."""
-
-    def of(self, slides: bool) -> dict[str, str]:
-        """Return what holds for every joint of a kind."""
-        inertia = _ARMATURE[slides]
-        # Servos are damped critically; what they move weighs little beside their own inertia.
-        damping = _DAMPING[slides] if self.stiffness is None else 2.0 * float(np.sqrt(self.stiffness * inertia))
-        return {"armature": f"{inertia!r}", "damping": f"{damping!r}"}
-
-
-def _coupled(grasp: Grasp, moved: dict[str, float], torque: float) -> _Drive:
-    """Return the drive of one torque, all joints following its joint."""
-    driver = next(iter(moved))
-    equality, actuator = ET.Element("equality"), ET.Element("actuator")
-    for joint, factor in moved.items():
-        if joint != driver:
-            coupled = {"joint1": joint, "joint2": driver, "polycoef": _text([0, factor, 0, 0, 0])}
-            ET.SubElement(equality, "joint", coupled | _COUPLED)
-    _add_actuator(actuator, driver, 1.0, (torque, 0.0))
-    return _Drive({joint: grasp.joints[joint] for joint in moved}, (equality, actuator), (-torque,), None)
-
-
-def _servos(grasp: Grasp, links: Iterable[HandLink], stiffness: float) -> _Drive:
-    """Return the drive of a servo for every joint that has a reference."""
-    joints = [link.joint.name for link in links if link.joint is not None and link.joint.name in grasp.q_r]
-    actuator = ET.Element("actuator")
-    for joint in joints:
-        _add_actuator(actuator, joint, stiffness, (stiffness * grasp.q_r[joint], -stiffness))
-    angles = {joint: grasp.joints[joint] for joint in joints}
-    return _Drive(angles, (actuator,), tuple(angles[joint] - grasp.q_r[joint] for joint in joints), stiffness)
-
-
-def _add_actuator(parent: ET.Element, joint: str, gain: float, bias: tuple[float, float]) -> None:
-    """Add an actuator of torque gain * control + bias_0 + bias_1 * angle."""
-    kinds = {"gaintype": "fixed", "biastype": "affine", "gainprm": _text([gain])}
-    ET.SubElement(parent, "general", kinds, name=joint, joint=joint, biasprm=_text([*bias, 0.0]))
 
 
 _SKY = {
@@ -268,7 +218,7 @@ def _add_mesh(
     faces: NDArray[np.int64] | None = None,
     shown: bool = True,
 ) -> None:
-    mesh = {"name": name, "vertex": _text(vertices.ravel(), 7)}
+    mesh = {"name": name, "vertex": numbers(vertices.ravel(), 7)}
     if faces is not None:
         mesh |= {"face": " ".join(map(str, faces.ravel().tolist())), "inertia": "shell"}
     ET.SubElement(assets, "mesh", mesh)
@@ -279,14 +229,14 @@ def _add_inertia(body: ET.Element, link: HandLink) -> None:
     """Add the inertia of a link; without one, that of its pieces at the density of water is taken."""
     if link.inertia is not None:
         I = link.inertia.matrix  # noqa: E741
-        full = _text([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])
-        center = _text(link.inertia.center)
+        full = numbers([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])
+        center = numbers(link.inertia.center)
         ET.SubElement(body, "inertial", pos=center, mass=f"{link.inertia.mass!r}", fullinertia=full)
 
 
 def _surroundings(root: ET.Element, center: Array) -> None:
     """Add where a viewer looks, and its light."""
-    ET.SubElement(root, "statistic", center=_text(center), extent="0.25")
+    ET.SubElement(root, "statistic", center=numbers(center), extent="0.25")
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
     ET.SubElement(visual, "global", offwidth="960", offheight="720")
@@ -294,8 +244,4 @@ def _surroundings(root: ET.Element, center: Array) -> None:
 
 def _placed(T: Array) -> dict[str, str]:
     """Return the attributes of a pose, shape (4, 4)."""
-    return {"pos": _text(T[:3, 3]), "xyaxes": _text([*T[:3, 0], *T[:3, 1]])}
-
-
-def _text(numbers: Sequence[float] | Array, digits: int = 17) -> str:
-    return " ".join(f"{number:.{digits}g}" for number in numbers)
+    return {"pos": numbers(T[:3, 3]), "xyaxes": numbers([*T[:3, 0], *T[:3, 1]])}

@@ -21,8 +21,6 @@ from ..geometry.cover_cache import mesh_cover
 from ..kinematics.collision_elements import LinkElement, link_elements
 from .pads import is_flat, pad_geom
 
-BEHIND = 2e-4
-"""How far behind the face of a pad the pieces under it are cut off, m."""
 NEAR = 1e-3
 """Pieces this near to a pad are under it, m."""
 _AROUND = 48
@@ -30,7 +28,7 @@ _AROUND = 48
 
 
 def link_pieces(
-    urdf: RobotUrdf, robot: RobotDescription, links: Iterable[str], pads: Iterable[PadDescription]
+    urdf: RobotUrdf, robot: RobotDescription, links: Iterable[str], pads: Iterable[PadDescription], behind: float
 ) -> dict[str, list[Array]]:
     """Return the vertices of the convex pieces of some links, each of shape (k, 3), link frame, m.
 
@@ -39,6 +37,7 @@ def link_pieces(
         robot: how closely its pieces follow the meshes.
         links: names of links.
         pads: those that touch the object.
+        behind: how far behind the face of a flat pad the pieces under it are cut off, m.
 
     Raises:
         InputError: a collision geometry is not understood, or a mesh cannot be read or has no volume.
@@ -48,7 +47,7 @@ def link_pieces(
         if element.link in pieces:
             pieces[element.link] += _of_element(element, robot)
     for pad in pads:
-        kept = (_without_pad(vertices, pad) for vertices in pieces[pad.link])
+        kept = (_without_pad(vertices, pad, behind) for vertices in pieces[pad.link])
         pieces[pad.link] = [vertices for vertices in kept if vertices is not None]
     return pieces
 
@@ -82,13 +81,13 @@ def _sphere(radius: float) -> Array:
 _PRIMITIVES: dict[str, Callable[..., Array]] = {"box": _box, "cylinder": _cylinder, "sphere": _sphere}
 
 
-def _without_pad(vertices: Array, pad: PadDescription) -> Array | None:
+def _without_pad(vertices: Array, pad: PadDescription, behind: float) -> Array | None:
     """Return a piece of the pad's link without what would touch in the pad's place; None if nothing is left."""
     patch = pad.patch
     local = (vertices - patch.origin) @ patch.rotation
     if not _under(local, pad):
         return vertices
-    left = _cut(local, -BEHIND) if is_flat(pad) else None
+    left = _cut(local, -behind) if is_flat(pad) else None
     return None if left is None else np.asarray(left @ patch.rotation.T + patch.origin)
 
 
