@@ -14,13 +14,16 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions import RobotDescription
+from ..descriptions.files import Vector3
 from ..descriptions.pose import Pose
 from ..descriptions.urdf import RobotUrdf, mimics_of
+from ..descriptions.urdf_checks import number
 from ..errors import InputError
 from ..results import Contact
 from ..verification.kinematics import Poses
@@ -64,16 +67,20 @@ class HandLink:
 
 
 def hand_links(urdf: RobotUrdf, robot: RobotDescription) -> tuple[HandLink, ...]:
-    """Return the links that the last arm joint carries, parents before children."""
+    """Return the links that the last arm joint carries, parents before children.
+
+    Raises:
+        InputError: what the URDF says of a joint's axis or of a link's inertia is no number.
+    """
     joints = urdf.tree.findall("joint")
     first = next(_end(joint, "child") for joint in joints if joint.get("name") == robot.arm.joints[-1])
-    inertias = {link.get("name", ""): _inertia(link) for link in urdf.tree.findall("link")}
+    inertias = {link.get("name", ""): _inertia(link, robot.urdf_file) for link in urdf.tree.findall("link")}
     found = [HandLink(first, None, None, inertias[first])]
     for parent in found:  # grows as it is gone through
         for joint in joints:
             if _end(joint, "parent") == parent.name:
                 child = _end(joint, "child")
-                found.append(HandLink(child, parent.name, _joint(joint), inertias[child]))
+                found.append(HandLink(child, parent.name, _joint(joint, robot.urdf_file), inertias[child]))
     return tuple(found)
 
 
@@ -120,35 +127,37 @@ def _end(joint: ET.Element, end: str) -> str:
     return "" if element is None else element.get("link", "")
 
 
-def _joint(element: ET.Element) -> HandJoint | None:
-    kind = element.get("type", "")
+def _joint(element: ET.Element, file: Path) -> HandJoint | None:
+    kind, name = element.get("type", ""), element.get("name", "")
     if kind not in _SLIDING + _TURNING:
         return None
-    axis = _numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
-    return HandJoint(element.get("name", ""), kind in _SLIDING, axis / np.linalg.norm(axis))
+    axis = _vector(element.find("axis"), "xyz", (1.0, 0.0, 0.0), file, name)
+    return HandJoint(name, kind in _SLIDING, axis / np.linalg.norm(axis))
 
 
-def _inertia(link: ET.Element) -> Inertia | None:
+def _inertia(link: ET.Element, file: Path) -> Inertia | None:
     """Return the inertia of a link, or None if the URDF has none or numbers that no body has."""
     mass, tensor, origin = (link.find(f"inertial/{tag}") for tag in ("mass", "inertia", "origin"))
     if mass is None or tensor is None:
         return None
-    kilograms = float(mass.get("value", "0"))
-    xx, xy, xz, yy, yz, zz = (float(tensor.get(key, "0")) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    key = f"link {link.get('name')}"
+    kilograms = number(mass.get("value", "0"), file, key)
+    entries = (number(tensor.get(name, "0"), file, key) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    xx, xy, xz, yy, yz, zz = entries
     own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if not (np.isfinite(own).all() and kilograms > 0.0 and np.linalg.eigvalsh(own).min() > 0.0):
+    if not (kilograms > 0.0 and np.linalg.eigvalsh(own).min() > 0.0):
         return None
-    x, y, z = _numbers(origin, "xyz", (0.0, 0.0, 0.0)).tolist()
-    roll, pitch, yaw = _numbers(origin, "rpy", (0.0, 0.0, 0.0)).tolist()
+    x, y, z = _vector(origin, "xyz", (0.0, 0.0, 0.0), file, key).tolist()
+    roll, pitch, yaw = _vector(origin, "rpy", (0.0, 0.0, 0.0), file, key).tolist()
     R = Pose(rpy=(roll, pitch, yaw)).matrix[:3, :3]
     return Inertia(np.array([x, y, z]), kilograms, R @ own @ R.T)
 
 
-def _numbers(element: ET.Element | None, key: str, default: tuple[float, float, float]) -> Array:
-    text = None if element is None else element.get(key)
+def _vector(element: ET.Element | None, name: str, default: Vector3, file: Path, key: str) -> Array:
+    text = None if element is None else element.get(name)
     if not text:
         return np.array(default)
-    values = np.array([float(part) for part in text.split()])
+    values = np.array([number(part, file, key) for part in text.split()])
     if values.shape != (3,):
-        raise InputError(f"{key} of <{element.tag if element is not None else ''}> has {len(values)} numbers, not 3")
+        raise InputError(f"{name} has {len(values)} numbers, not 3", file=file, key=key)
     return values

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
+from ..errors import InputError
 from ..results import Grasp, Setup
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
@@ -40,10 +41,14 @@ _OPTIONS = {
     "impratio": "10",
     "noslip_iterations": "10",
     "tolerance": "1e-10",
+    "ccd_tolerance": "1e-9",  # with MuJoCo's own, an end of a line of contact is missed now and then
+    "ccd_iterations": "200",
 }
 BEHIND = 2e-4
 """How far behind the face of a pad its link begins, m."""
 _STIFF = {"solref": "0.004 1", "solimp": "0.95 0.99 0.001"}
+_LACKING = {"pos": "0 0 0", "mass": "0.05", "diaginertia": "2e-5 2e-5 2e-5"}
+"""Inertia of a link for which the URDF gives none: without effect at rest."""
 _PAD_INERTIA = 0.5
 """Of a pad on springs, kg: MuJoCo's contacts give way the more the lighter the bodies are, and the springs should."""
 _FIRM = {"solimp": "0.99 0.999 0.001"}
@@ -74,8 +79,8 @@ class HandAndObject:
         options: which drive, how much friction.
 
     Raises:
-        InputError: a file of the robot is missing or cannot be read, the hold test knows no object of this shape, or
-            the object has neither mass nor weight.
+        InputError: a file of the robot is missing or cannot be read, the hold test knows no object of this shape, the
+            object has neither mass nor weight, or a driver torque is wanted of a hand with several drivers.
     """
 
     def __init__(self, setup: Setup, options: HoldOptions) -> None:
@@ -90,7 +95,9 @@ class HandAndObject:
         self._body = object_body(self._task.object, self._object.shape)
         self._friction = self._task.contact.friction if options.friction is None else options.friction
         one = len(self._robot.hand.synergies) == 1
-        self._servos = options.control == "position" or (options.control == "auto" and not one)
+        if options.control == "torque" and not one:
+            raise InputError("a hand of several synergies has no single driver", key="options.control")
+        self._servos = options.control == "position" or not one
 
     @cached_property
     def _pieces(self) -> dict[str, list[Array]]:
@@ -114,7 +121,8 @@ class HandAndObject:
         gravity = np.array(self._task.wrench.force) / self._mass
         root = ET.Element("mujoco", model="hold")
         ET.SubElement(root, "compiler", angle="radian", boundmass="0.001", boundinertia="1e-6", balanceinertia="true")
-        ET.SubElement(root, "option", _OPTIONS, gravity=numbers(gravity))
+        option = ET.SubElement(root, "option", _OPTIONS, gravity=numbers(gravity))
+        ET.SubElement(option, "flag", autoreset="disable")  # what diverges must not begin anew
         pose = self._object.pose.matrix
         _surroundings(root, pose[:3, 3])
         world, assets = ET.SubElement(root, "worldbody"), ET.SubElement(root, "asset")
@@ -218,16 +226,18 @@ def _add_mesh(
     faces: NDArray[np.int64] | None = None,
     shown: bool = True,
 ) -> None:
-    mesh = {"name": name, "vertex": numbers(vertices.ravel(), 7)}
+    # The links' inertias are given; MuJoCo would refuse to compute those of flat meshes that are no shells.
+    mesh = {"name": name, "vertex": numbers(vertices.ravel(), 7), "inertia": "shell"}
     if faces is not None:
-        mesh |= {"face": " ".join(map(str, faces.ravel().tolist())), "inertia": "shell"}
+        mesh["face"] = " ".join(map(str, faces.ravel().tolist()))
     ET.SubElement(assets, "mesh", mesh)
     ET.SubElement(body, "geom", attributes, name=name, type="mesh", mesh=name, group="2" if shown else "3")
 
 
 def _add_inertia(body: ET.Element, link: HandLink) -> None:
-    """Add the inertia of a link; without one, that of its pieces at the density of water is taken."""
-    if link.inertia is not None:
+    if link.inertia is None:
+        ET.SubElement(body, "inertial", _LACKING)
+    else:
         I = link.inertia.matrix  # noqa: E741
         full = numbers([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])
         center = numbers(link.inertia.center)
