@@ -139,6 +139,7 @@ def test_first_slip_is_that_of_coulomb(outcome: HoldOutcome) -> None:
     assert outcome.first_slip.slipped
     assert outcome.first_slip.direction == "+z"
     assert 1.0 < outcome.first_slip.acceleration / expected < 1.08
+    assert outcome.first_slip.touching == ()
 
 
 def test_hard_fingers_do_not_stop_a_spin_about_their_line(make_grasp: MakeGrasp) -> None:
@@ -197,6 +198,9 @@ def test_a_link_in_the_way_is_reported(make_toy: RobotFactory, make_grasp: MakeG
     robot = make_toy(TOY_URDF.replace('<link name="arm">', f'<link name="arm">{box}'))
     found = simulated(make_grasp(robot))
     assert found.touching == ("arm",)
+    slip = simulated(make_grasp(robot), first_slip=True).first_slip
+    assert slip is not None
+    assert slip.touching == ("arm",)
     assert "settle" not in simulated(make_grasp(robot), squeeze=False).failed  # without a squeeze the ball lies on it
 
 

@@ -69,6 +69,8 @@ class HoldModel:
     """Of the object about its centre of mass, world, kg m^2, shape (3, 3)."""
     slack: Array
     """Controls of the actuators with which the hand does not squeeze; with 0 it does as planned."""
+    yields: bool
+    """Whether joints and pads are springs, which give way under the weight."""
 
 
 class HandAndObject:
@@ -139,6 +141,7 @@ class HandAndObject:
             torque=np.array(self._task.wrench.torque),
             inertia=self._mass * (R * self._body.inertia) @ R.T,
             slack=np.array(drive.slack),
+            yields=self._servos,
         )
 
     def _drive(self, grasp: Grasp, poses: Poses) -> Drive:

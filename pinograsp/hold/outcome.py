@@ -24,6 +24,8 @@ class FirstSlip:
     """Of the acceleration of the base: +x, -x, +y, -y, +z or -z of the world."""
     slipped: bool
     """Whether it did."""
+    touching: tuple[str, ...]
+    """Links that touched the object other than with a pad before it slipped, in any direction."""
 
 
 @dataclass(frozen=True)

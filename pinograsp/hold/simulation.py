@@ -4,9 +4,9 @@ The base of the hand stays where it is; its acceleration a is the inertial force
 of gravity. Its angular acceleration alpha about the object's centre of mass is the torque -I alpha on it (the Euler
 force of a body that turns about its centre; centrifugal forces of the speed that builds up are left out).
 
-The object is in place where it has moved and turned less than the limits since it had settled. While it settles it may
-move five times as far: servos and pads on springs give way under its weight. Shakes follow one upon the other; after
-one that moved the object out of its place, it is put back to where it had settled.
+The object is in place where it has moved and turned less than the limits since it had settled, and before that, since
+the start; servos and pads on springs may yield five times as far while it settles. Shakes follow one upon the other;
+after one that moved the object out of its place, it is put back to where it had settled.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _RISE, _HELD, _PAUSE = 0.05, 0.2, 0.1
 _SETTLE = 0.2
 """After the squeeze has risen, and again after the weight has: s."""
 _YIELDING = 5.0
-"""How many times the limits the object may move while it settles."""
+"""How many times the limits the object may move while it settles in a hand of springs."""
 _AVERAGED = 0.1
 """At the end of the phase of gravity, over which the forces of the pads are averaged, s."""
 DIRECTIONS = {f"{sign:+d}"[0] + axis: sign * np.eye(3)[k] for k, axis in enumerate("xyz") for sign in (1, -1)}
@@ -91,7 +91,7 @@ class Simulation:
     def phases(self) -> Iterator[Phase]:
         """Go through the phases; yield each at its end. Where settle or gravity end out of place, nothing follows."""
         settled = self._settle()
-        yield self._ended("settle", settled.distance, settled.angle, _YIELDING)
+        yield self._ended("settle", *settled, _YIELDING if self._given.yields else 1.0)
         self._place, self._settled = self._pose(), self._state()
         self.phase = "gravity"
         self._run(1.0 - _AVERAGED)
@@ -125,17 +125,22 @@ class Simulation:
         """Return the least acceleration, over the directions, at which the settled object leaves its place."""
         options = self._options
         least, least_name = math.inf, ""
+        touching: set[str] = set()
         for name, direction in DIRECTIONS.items():
             self._restore(self._settled)
+            self._touched.clear()
             most = min(least, options.strongest)  # no need to shake harder than where another direction slips
             acceleration, step = 0.0, options.ramp * LOOK_STEPS * TIMESTEP
             while acceleration < most and self._in_place():
                 acceleration += step
                 self._load(acceleration * direction, _STILL)
                 self._step()
+                touching |= self._touched if self._in_place() else set()
             if not self._in_place() and acceleration < least:
                 least, least_name = acceleration, name
-        return FirstSlip(min(least, options.strongest), least_name, math.isfinite(least))
+        self._touched.clear()
+        slipped = math.isfinite(least)
+        return FirstSlip(min(least, options.strongest), least_name, slipped, tuple(sorted(touching)))
 
     def moved(self) -> Moved:
         """Return how far the object is from its place."""
