@@ -16,6 +16,7 @@ from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .descriptions.pose import Pose
 from .errors import InputError, PinograspError, WorkerLostError
+from .hold import HoldOptions, HoldOutcome, hold_test
 from .kinematics.robot import RobotModel
 from .planning import ConfigurationCheck, Planner, Progress, plan
 from .results import Contact, Cost, Difference, Different, Grasp, Result, Setup, read_json, verify, write_json
@@ -47,6 +48,8 @@ __all__ = [
     "Different",
     "Figure",
     "Grasp",
+    "HoldOptions",
+    "HoldOutcome",
     "InputError",
     "PinograspError",
     "Planner",
@@ -58,6 +61,7 @@ __all__ = [
     "SolverOptions",
     "WorkerLostError",
     "build_database",
+    "hold_test",
     "load_robot",
     "load_scene",
     "plan",

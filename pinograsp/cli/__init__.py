@@ -1,4 +1,4 @@
-"""The command line: `pinograsp plan | verify | robot | database | list | schema`."""
+"""The command line: `pinograsp plan | verify | hold | robot | database | list | schema`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..descriptions import load_robot_description, load_scene, schema, shipped_r
 from ..errors import InputError
 from .console import say
 from .database import app as database_app
+from .hold import hold_command
 from .plan import plan_command
 from .robot import app as robot_app
 from .verify import verify_command
@@ -35,13 +36,14 @@ def main() -> None:
 def _commands() -> None:
     """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
 
-    Exit codes: 0 grasps were found, or every certificate stands; 1 none was found, or something differs; 2 the input
-    cannot be used; 130 interrupted.
+    Exit codes: 0 grasps were found, every certificate stands, or every grasp holds; 1 none was found, something
+    differs, or one does not hold; 2 the input cannot be used; 130 interrupted.
     """
 
 
 app.command("plan")(plan_command)
 app.command("verify")(verify_command)
+app.command("hold")(hold_command)
 app.add_typer(database_app, name="database")
 app.add_typer(robot_app, name="robot")
 

@@ -1,0 +1,28 @@
+"""The model of a grasp as a file that MuJoCo's viewer opens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..disk import write_whole
+from ..results import Grasp
+from .mjcf import HandAndObject
+from .options import HoldOptions
+from .run import setup_of
+
+
+def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = None) -> None:
+    """Write the model of a grasp as one file, meshes and drive in it; MuJoCo is not needed for that.
+
+    `python -m mujoco.viewer --mjcf=FILE` opens it: the hand holds the object against gravity.
+
+    Args:
+        grasp: of a result.
+        file: to be written.
+        options: control and friction.
+
+    Raises:
+        InputError: as `hold_test`, or the file cannot be written.
+    """
+    bodies = HandAndObject(setup_of(grasp), options or HoldOptions())
+    write_whole(Path(file), bodies.model(grasp, shown=True).xml + "\n")
