@@ -11,6 +11,7 @@ best = result.best
 from importlib.metadata import version as _version
 from pathlib import Path as _Path
 
+from .assessment import Assessment, Errors, assess
 from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
@@ -35,6 +36,7 @@ def load_robot(name: str | _Path) -> RobotModel:
 
 
 __all__ = [
+    "Assessment",
     "BuildProgress",
     "Certificate",
     "Cone",
@@ -44,6 +46,7 @@ __all__ = [
     "Coverage",
     "Database",
     "Difference",
+    "Errors",
     "Figure",
     "Grasp",
     "InputError",
@@ -56,6 +59,7 @@ __all__ = [
     "Setup",
     "SolverOptions",
     "WorkerLostError",
+    "assess",
     "build_database",
     "load_robot",
     "load_scene",
