@@ -8,7 +8,7 @@ conditions are those of a grasp, in metres, rho the size of the object:
     c(xi, y) = ( signed distance of every contact point,  rho (n_pad + n_object) of every contact )  = 0
 
 Of all motions that keep them the one is wanted that moves the object least, and of the hands that go with it the one
-nearest to y_0, the planned one:
+nearest to y_0, where the search begins:
 
     minimise  |c|^2 / CONTACT^2  +  |v|^2 + rho^2 |omega|^2  +  HAND^2 |y - y_0|^2
 
@@ -85,14 +85,17 @@ class _Place:
 
 
 class Closing:
-    """Closes a hand on an object.
+    """Closes a hand on an object as a grasp has planned it.
 
     Args:
         robot: with the pads of the task, mounted.
         surface: of the object.
+        q_arm: where the arm was planned to stand, rad (m), shape (l,).
+        hand: planned synergies and contact parameters, (sigma, q_c), shape (s + c,).
+        T_world_object: where the object was planned to be, shape (4, 4).
     """
 
-    def __init__(self, robot: RobotModel, surface: Surface) -> None:
+    def __init__(self, robot: RobotModel, surface: Surface, q_arm: Array, hand: Array, T_world_object: Array) -> None:
         self._robot, self._surface = robot, surface
         self.size = surface.radius
         """Of the object: radius of a ball about its frame's origin that holds it, m."""
@@ -104,35 +107,51 @@ class Closing:
         self._lower = np.concatenate([-anywhere, np.concatenate([robot.lower[arm:], low]) / self._unit])
         self._upper = np.concatenate([anywhere, np.concatenate([robot.upper[arm:], high]) / self._unit])
         self._slides = np.arange(len(self._lower)) >= 6 + self._hand
+        self._as_planned = np.concatenate([np.zeros(6), hand / self._unit])
+        planned = self._place(q_arm, T_world_object, self._as_planned)
+        self.planned = self._result(planned)
+        """Hand and object of the grasp."""
+        self._touched = (planned.contacts.points - T_world_object[:3, 3]) @ T_world_object[:3, :3]
 
-    def closed(self, q_arm: Array, synergy: Array, parameters: Array, T_world_object: Array) -> Closed:
+    def closed(self, q_arm: Array, T_world_object: Array) -> Closed:
         """Return where hand and object come to rest; whether the pads bear there is left to the verification.
+
+        The search begins with the pads at the points of the object that they were planned to touch, as far as they
+        reach there, and once more with the contact points where they were planned to be on the pads.
 
         Args:
             q_arm: where the arm stands, rad (m), shape (l,).
-            synergy: sigma of the planned grasp, shape (s,).
-            parameters: q_c of the planned grasp, shape (c,).
             T_world_object: where the object is before the hand closes, shape (4, 4).
         """
-        place = self._begun(q_arm, synergy, parameters, T_world_object)
+        place = self._place(q_arm, T_world_object, self._as_planned)
+        followed, _ = self._settled(q_arm, T_world_object, self._following(q_arm, T_world_object, place))
+        if self._bears(followed):
+            return self._result(followed)
+        kept, left = self._settled(q_arm, T_world_object, place)
+        return self._result(kept, left=left and not self._bears(kept))
+
+    def _settled(self, q_arm: Array, T_displaced: Array, place: _Place) -> tuple[_Place, bool]:
+        """Return where hand and object come to rest, contacts on their pads, and whether some had left them."""
         anywhere = np.where(self._slides, np.inf, 0.0)
         everything = np.ones(len(place.z), dtype=bool)
-        place = self._solved(q_arm, T_world_object, place, everything, self._lower - anywhere, self._upper + anywhere)
+        place = self._solved(q_arm, T_displaced, place, everything, self._lower - anywhere, self._upper + anywhere)
         on_pads = np.clip(place.z, self._lower, self._upper)
         if (on_pads == place.z).all():
-            return self._result(place)
-        place = self._place(q_arm, T_world_object, on_pads)
+            return place, False
+        place = self._place(q_arm, T_displaced, on_pads)
         if not self._bears(place):
-            place = self._solved(q_arm, T_world_object, place, self._slides, self._lower, self._upper)
-        return self._result(place, left=not self._bears(place))
+            place = self._solved(q_arm, T_displaced, place, self._slides, self._lower, self._upper)
+        return place, True
 
-    def at(self, q_arm: Array, synergy: Array, parameters: Array, T_world_object: Array) -> Closed:
-        """Return a hand as it is, with the object where it is; for the arguments see `closed`."""
-        return self._result(self._begun(q_arm, synergy, parameters, T_world_object))
-
-    def _begun(self, q_arm: Array, synergy: Array, parameters: Array, T_world_object: Array) -> _Place:
-        y = np.concatenate([synergy, parameters]) / self._unit
-        return self._place(q_arm, T_world_object, np.concatenate([np.zeros(6), y]))
+    def _following(self, q_arm: Array, T_displaced: Array, place: _Place) -> _Place:
+        """Return the pads with their contact points where they were planned to touch the object, or nearest to it."""
+        wanted = self._touched @ T_displaced[:3, :3].T + T_displaced[:3, 3]
+        d_points = place.contacts.d_points[:, :, self._robot.arm_size :] * self._unit
+        sliding = self._slides[6:]
+        z = place.z.copy()
+        away = (wanted - place.contacts.points).ravel()
+        z[self._slides] += np.linalg.lstsq(d_points[:, :, sliding].reshape(len(away), -1), away, rcond=None)[0]
+        return self._place(q_arm, T_displaced, np.clip(z, self._lower, self._upper))
 
     def _result(self, place: _Place, left: bool = False) -> Closed:
         pads = self._robot.pads

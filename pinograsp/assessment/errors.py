@@ -21,6 +21,7 @@ FRICTION = (0.8, 1.2)
 """Friction by default, in parts of the task's coefficient."""
 _MOST = 1e3
 """Largest friction coefficient and factor of the weight."""
+UNITS = {"position": " m", "orientation": " rad", "center_of_mass": " m", "joint": " rad"}
 _LARGEST = {"position": 1.0, "orientation": math.pi, "center_of_mass": 1.0, "joint": math.pi}
 
 
@@ -51,7 +52,7 @@ class Errors:
             if field.name in _LARGEST:
                 number = _number(field.name, value, _LARGEST[field.name])
                 object.__setattr__(self, field.name, number)
-            elif value is not None:
+            elif field.name != "friction" or value is not None:
                 object.__setattr__(self, field.name, _interval(field.name, value))
 
     @classmethod
@@ -135,7 +136,7 @@ def _number(key: str, value: Any, most: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"must be a number, not {value!r}", key=key)
     if not 0.0 <= value <= most:  # nor not a number
-        raise InputError(f"must be between 0 and {most:g}, not {value}", key=key)
+        raise InputError(f"must be between 0 and {most:g}{UNITS.get(key, '')}, not {value}", key=key)
     return float(value)
 
 

@@ -74,7 +74,7 @@ class Verdict:
     @property
     def reason(self) -> str:
         """The cause and what it is about, empty if the grasp holds."""
-        return " at ".join(part for part in (self.cause, self.where) if part)
+        return ": ".join(part for part in (self.cause, self.where) if part)
 
 
 class Judge:
@@ -97,13 +97,13 @@ class Judge:
         self._pads = robot_for(robot, scene, self.setup.task).pads
         mount = scene.mounting.matrix
         self._robot = RobotModel(robot).with_pads(tuple(pad.name for pad in self._pads)).mounted(mount)
-        self.closing = Closing(self._robot, surface_of(self.body.shape))
+        self.T_world_object = self.body.pose.matrix
+        hand = np.concatenate([grasp.synergy, grasp.contact_parameters])
+        surface = surface_of(self.body.shape)
+        self.closing = Closing(self._robot, surface, grasp.q_arm, hand, self.T_world_object)
         read = read_robot(robot)
         self._kinematics = read.kinematics.mounted(mount)
         self._rates = read.synergies.rates(self._kinematics.joints)
-        self.T_world_object = self.body.pose.matrix
-        as_it_is = grasp.q_arm, grasp.synergy, grasp.contact_parameters, self.T_world_object
-        self.planned = self.closing.at(*as_it_is)
         self._tau = float(np.linalg.norm(self._drive_torques(grasp.claim)))
 
     @property
@@ -142,14 +142,13 @@ class Judge:
         return -math.inf if math.isnan(margin) else margin
 
     def _closed(self, draw: Draw) -> Closed:
-        grasp = self.grasp
         T, _ = moved(self.T_world_object, draw.position, draw.orientation)
-        return self.closing.closed(grasp.q_arm + draw.joints, grasp.synergy, grasp.contact_parameters, T)
+        return self.closing.closed(self.grasp.q_arm + draw.joints, T)
 
     def _claim(self, closed: Closed) -> Claim:
         """Return what the verification judges: planned forces, gone along with the pads, at the planned squeeze."""
         planned = self.grasp.claim
-        turned = closed.rotations @ self.planned.rotations.transpose(0, 2, 1)
+        turned = closed.rotations @ self.closing.planned.rotations.transpose(0, 2, 1)
         forces = np.einsum("nij,nj->ni", turned, planned.forces)
         joints = self._robot.joints_by_name(closed.posture)
         claim = Claim(joints, closed.points, forces, planned.spin_torques)

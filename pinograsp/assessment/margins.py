@@ -68,7 +68,7 @@ def margin_of(judge: Judge, kind: str) -> Margin:
 
 
 def _position(judge: Judge) -> Margin:
-    axes = judge.planned.rotations[0].T
+    axes = judge.closing.planned.rotations[0].T
     base = judge.no_errors
     directions: list[Vector] = [*AXES, *((x, y, z) for x, y, z in itertools.product((1.0, -1.0), repeat=3))]
 
@@ -80,7 +80,7 @@ def _position(judge: Judge) -> Margin:
 
 
 def _orientation(judge: Judge) -> Margin:
-    axes, base = judge.planned.rotations[0].T, judge.no_errors
+    axes, base = judge.closing.planned.rotations[0].T, judge.no_errors
 
     def verdict(size: float, direction: Vector) -> Verdict:
         return judge.verdict(replace(base, orientation=size * np.array(direction) @ axes))
