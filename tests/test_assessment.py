@@ -26,10 +26,11 @@ from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.robot import RobotModel
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup, write_json
 from pinograsp.verification import Certificate, Verifier
+from pinograsp.verification.balance import BalanceProblem
 
 RADIUS, SQUEEZE, WEIGHT, FRICTION, TORSION = 0.025, 3.0, 2.0, 0.9, 0.005
 OPENING = (2 * RADIUS - 0.002) / 2.25
-"""Of the toy's jaw on something 50 mm wide: the right finger slides 1.25 times as far as the left one, and 2 mm more."""
+"""Of the toy's jaw on something 50 mm wide: the right finger slides 1.25 times as far as the left one and 2 mm more."""
 MIDDLE = OPENING - RADIUS
 """Where the middle between the pads is along x."""
 SOFT = {"model": "soft_finger", "torsion_radius": TORSION, "torsional_stiffness": 1.0}
@@ -214,6 +215,19 @@ def test_sphere_slips_below_its_least_friction(make_grasp: Make) -> None:
     verdict = judged(judge, friction=0.99 / 3.0)
     assert verdict.cause == SLIPS
     assert -0.05 < verdict.margin < 0.0
+
+
+def test_balance_where_the_cone_solver_gives_up(make_grasp: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    judge = Judge(make_grasp())
+    planned, least, load = judged(judge), BalanceProblem.margin, judge.task.wrench.vector
+
+    def gives_up(problem: BalanceProblem, wrench: Array) -> float:
+        return math.nan if (wrench == load).all() else least(problem, wrench)
+
+    monkeypatch.setattr(BalanceProblem, "margin", gives_up)
+    assert judged(judge).margin == pytest.approx(planned.margin, abs=1e-5)
+    monkeypatch.setattr(BalanceProblem, "margin", lambda *_: math.nan)
+    assert judged(judge).cause == SLIPS
 
 
 def test_region_is_counted_and_holds(make_grasp: Make) -> None:

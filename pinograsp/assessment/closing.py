@@ -123,7 +123,7 @@ class Closing:
             q_arm: where the arm stands, rad (m), shape (l,).
             T_world_object: where the object is before the hand closes, shape (4, 4).
         """
-        place = self._place(q_arm, T_world_object, self._as_planned)
+        place = self._place(q_arm, T_world_object, np.clip(self._as_planned, self._lower, self._upper))
         followed, _ = self._settled(q_arm, T_world_object, self._following(q_arm, T_world_object, place))
         if self._bears(followed):
             return self._result(followed)

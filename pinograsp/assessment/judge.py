@@ -21,6 +21,7 @@ the surface is counted, and holds all the same.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,6 +51,8 @@ CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
 """Why a grasp may fail, in the order in which the causes are looked for: the first one counts."""
 BALANCED = 1e-6
 """How much a margin may be below zero for the tolerance of the cone solver, N."""
+NUDGES = (1e-7, -1e-7, 1e-6, -1e-6)
+"""Changes of the load, in parts of it, that are tried where the cone solver gives up: on a few loads in a thousand."""
 _CLEARANCES = ("enclosure clearance", "obstacle clearance", "self clearance", "self collision")
 
 
@@ -128,17 +131,27 @@ class Judge:
         regions = [figure for figure in certificate.figures if figure.name == "contact region"]
         return Verdict(cause, where, margin, any(not figure.holds for figure in regions))
 
-    def problem(self, draw: Draw) -> BalanceProblem:
-        """Return what the contacts balance, whether or not pads bear and links are clear."""
+    def balances(self, draw: Draw) -> bool:
+        """Return whether the contacts balance the load, whether or not pads bear and links are clear."""
+        return self._margin(self._problem(draw), draw.weight) >= -BALANCED
+
+    def growth(self, directions: Array) -> Array:
+        """Return by how much of each wrench the load may grow if there are no errors, shape (directions,).
+
+        Args:
+            directions: force and torque about the centre of mass, N and N m, not zero, shape (directions, 6).
+        """
+        problem = self._problem(self.no_errors)
+        found = _nudged(lambda share: problem.multiples(share * self.task.wrench.vector, directions))
+        return np.nan_to_num(found)
+
+    def _problem(self, draw: Draw) -> BalanceProblem:
         closed = self._closed(draw)
         return self._verifier(closed.T_world_object, draw).hold(self._claim(closed)).problem
 
-    def balances(self, draw: Draw) -> bool:
-        """Return whether the contacts balance the load, whether or not pads bear and links are clear."""
-        return self._margin(self.problem(draw), draw.weight) >= -BALANCED
-
     def _margin(self, problem: BalanceProblem, weight: float) -> float:
-        margin = problem.margin(weight * self.task.wrench.vector)
+        load = weight * self.task.wrench.vector
+        margin = float(_nudged(lambda share: np.array(problem.margin(share * load))))
         return -math.inf if math.isnan(margin) else margin
 
     def _closed(self, draw: Draw) -> Closed:
@@ -175,6 +188,20 @@ class Judge:
             objects={**scene.objects, self.task.object: body}, tasks={**scene.tasks, self.setup.task: task}
         )
         return Verifier(self.setup.robot, changed, name)
+
+
+def _nudged(solve: Callable[[float], Array]) -> Array:
+    """Return what is solved for the load, or for one next to it where the solver fails; not a number if it always does.
+
+    Args:
+        solve: the solution for a multiple of the load.
+    """
+    found = solve(1.0)
+    for nudge in NUDGES:
+        if not np.isnan(found).any():
+            break
+        found = solve(1.0 + nudge)
+    return found
 
 
 def _no_contact(certificate: Certificate) -> tuple[str | None, str]:

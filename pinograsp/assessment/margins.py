@@ -109,8 +109,7 @@ def _center_of_mass(judge: Judge) -> Margin:
     felt = np.linalg.norm(torques, axis=1) > 1e-9 * np.linalg.norm(load[:3])
     most = np.full(6, size)
     if felt.any():
-        found = judge.problem(judge.no_errors).multiples(load, directions[felt])
-        most[felt] = np.minimum(np.nan_to_num(found), size)
+        most[felt] = np.minimum(judge.growth(directions[felt]), size)
     worst = int(most.argmin())
     capped = bool(most[worst] >= size)
     return Margin(
@@ -137,7 +136,7 @@ def _weight(judge: Judge) -> Margin:
     load = judge.task.wrench.vector
     if not load.any():
         return Margin("weight", HEAVIEST, "", "", "", True)
-    more = float(np.nan_to_num(judge.problem(judge.no_errors).multiples(load, load[None])[0]))
+    more = float(judge.growth(load[None])[0])
     capped = 1.0 + more >= HEAVIEST
     return Margin("weight", min(1.0 + more, HEAVIEST), "", "", "" if capped else SLIPS, capped)
 

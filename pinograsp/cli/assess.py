@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -116,8 +117,14 @@ def _report(found: Assessment, number: int, result: Result, console: Console) ->
         say(console, "[yellow]interrupted[/]: this is what was done until then")
 
 
+def _table(title: str) -> Table:
+    return Table(
+        title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False
+    )
+
+
 def _causes(found: Assessment) -> Table:
-    table = Table(title="why samples fail", title_justify="left")
+    table = _table("why samples fail")
     table.add_column("cause")
     table.add_column("samples", justify="right")
     for cause, count in found.causes.items():
@@ -126,7 +133,7 @@ def _causes(found: Assessment) -> Table:
 
 
 def _margins(found: Assessment) -> Table:
-    table = Table(title="how large each error may be, alone", title_justify="left")
+    table = _table("how large each error may be, alone")
     for column in ("error", "holds", "ends", "because"):
         table.add_column(column, justify="right" if column == "holds" else "left")
     for margin in found.margins:
