@@ -11,6 +11,7 @@ best = result.best
 from importlib.metadata import version as _version
 from pathlib import Path as _Path
 
+from .assessment import Assessment, Errors, assess
 from .database import BuildProgress, Cone, Coverage, Database, build_database
 from .descriptions import load_robot_description as _load_robot_description
 from .descriptions import load_scene, shipped_robots, shipped_scenes
@@ -36,6 +37,7 @@ def load_robot(name: str | _Path) -> RobotModel:
 
 
 __all__ = [
+    "Assessment",
     "BuildProgress",
     "Certificate",
     "Cone",
@@ -46,6 +48,7 @@ __all__ = [
     "Database",
     "Difference",
     "Different",
+    "Errors",
     "Figure",
     "Grasp",
     "HoldOptions",
@@ -60,6 +63,7 @@ __all__ = [
     "Setup",
     "SolverOptions",
     "WorkerLostError",
+    "assess",
     "build_database",
     "hold_test",
     "load_robot",

@@ -1,4 +1,4 @@
-"""The command line: `pinograsp plan | verify | hold | robot | database | list | schema`."""
+"""The command line: `pinograsp plan | verify | assess | hold | robot | database | list | schema`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
 from ..errors import InputError
+from .assess import assess_command
 from .console import say
 from .database import app as database_app
 from .hold import hold_command
@@ -44,6 +45,7 @@ def _commands() -> None:
 app.command("plan")(plan_command)
 app.command("verify")(verify_command)
 app.command("hold")(hold_command)
+app.command("assess")(assess_command)
 app.add_typer(database_app, name="database")
 app.add_typer(robot_app, name="robot")
 

@@ -1,0 +1,108 @@
+"""An assessment: sets of errors drawn and judged, margins found, by as many processes as there are."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from contextlib import closing
+from functools import partial
+from typing import Any
+
+from ..errors import InputError
+from ..execution import Workers, own_workers
+from ..results import Grasp
+from .errors import Draw, Errors, draws
+from .judge import Judge, Verdict
+from .margins import KINDS, Margin, margin_of
+from .outcome import Assessment, Sample
+
+SAMPLES = 200
+MOST = 1_000_000
+
+
+def assess(
+    grasp: Grasp,
+    errors: Errors | None = None,
+    *,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Assessment:
+    """Judge how much a grasp puts up with: errors of pose, friction, weight, centre of mass and joints.
+
+    In every sample all errors are drawn, the hand closes again on the object where it is, and the independent
+    verification says whether pads and nothing else touch it and whether the contacts balance the load at the planned
+    squeeze (`judge` has the model and what it leaves out). The margins vary one kind of error and leave the others
+    zero (`margins` says what is guaranteed).
+
+    The same seed gives the same numbers for any number of workers. Ctrl-C ends it and returns what is done.
+
+    Args:
+        grasp: of a result, which says robot, scene and task.
+        errors: their sizes; None: `Errors()`.
+        samples: number of sets of errors.
+        seed: of the random numbers.
+        workers: number of processes; None: one for each core.
+        progress: called with the pieces of work that are done and their number.
+
+    Raises:
+        InputError: the grasp belongs to no result, a file of its robot is missing, or a number is out of range.
+    """
+    if errors is not None and not isinstance(errors, Errors):
+        raise InputError(f"must be pinograsp.Errors, not {errors!r}", key="errors")
+    samples, seed = _whole("samples", samples, 1, MOST), _whole("seed", seed, 0)
+    if workers is not None:
+        _whole("workers", workers, 1)
+    judge = Judge(grasp)
+    sizes = (errors or Errors()).for_task(judge.task.contact.friction)
+    drawn = draws(sizes, samples, len(grasp.q_arm), seed)
+    planned = judge.verdict(judge.no_errors)  # and all that has to be compiled is, before processes begin
+    verdicts, margins = dict[int, Verdict](), dict[str, Margin]()
+    kinds = list(KINDS) if planned.holds else []
+    interrupted, total = False, samples + len(kinds)
+    try:
+        with own_workers(workers) as running:
+            running.begin()
+            for number, verdict in _each(running, partial(_judging, grasp), list(enumerate(drawn))):
+                verdicts[number] = verdict
+                if progress:
+                    progress(len(verdicts), total)
+            for margin in _each(running, partial(_finding, grasp), kinds, chunk=1):
+                margins[margin.kind] = margin
+                if progress:
+                    progress(len(verdicts) + len(margins), total)
+    except KeyboardInterrupt:
+        interrupted = True
+    found = tuple(Sample(number + 1, drawn[number], verdicts[number]) for number in sorted(verdicts))
+    in_order = tuple(margins[kind] for kind in KINDS if kind in margins)
+    return Assessment(sizes, samples, seed, found, in_order, planned, interrupted)
+
+
+def _each(workers: Workers, prepare: Callable[[], Callable[[Any], Any]], items: list[Any], chunk: int = 8) -> Any:
+    with closing(workers.run(prepare, items, chunk)) as outcomes:
+        yield from outcomes
+
+
+def _judging(grasp: Grasp) -> Callable[[tuple[int, Draw]], tuple[int, Verdict]]:
+    """Build, in a worker, what judges numbered sets of errors."""
+    judge = Judge(grasp)
+    return lambda item: (item[0], judge.verdict(item[1]))
+
+
+def _finding(grasp: Grasp) -> Callable[[str], Margin]:
+    """Build, in a worker, what finds margins."""
+    return partial(margin_of, Judge(grasp))
+
+
+def _whole(name: str, number: int, least: int, most: int | None = None) -> int:
+    """Return a whole number, NumPy's too, or refuse what is none or out of range."""
+    try:
+        whole = operator.index(number)
+    except TypeError:
+        raise InputError(f"must be a whole number, not {number!r}", key=name) from None
+    if whole < least:
+        raise InputError(f"must be at least {least}, not {whole}", key=name)
+    if most is not None and whole > most:
+        raise InputError(f"must be at most {most}, not {whole}", key=name)
+    return whole

@@ -1,0 +1,224 @@
+"""Whether a grasp holds in spite of one set of errors.
+
+The arm stands at its joints plus their error, the object at its pose plus its error, and the hand closes (`closing`).
+What comes of it is judged by the independent verification, at the object's final pose:
+
+    contact      pads and object touch and are tangent, on the pads, as a certificate has it
+    clearance    nothing but pads touches the object, and the robot neither walls, obstacles nor itself: distances are
+                 above zero. Margins are not asked for any more: errors are what they are there for
+    balance      some contact forces within friction, spin and force limits balance the load at the planned squeeze
+
+The load is the task's wrench times the factor of the weight, at the centre of mass where it really is. The drivers
+keep the torque that they have in the planned grasp, tau = S^T sum_i J_i^T f_i: planned forces go along with their pads
+and are scaled until |tau| is that of the plan (of several drivers the combination that is kept turns with the pads).
+What is left of every inequality of the balance is the margin, in N: negative if the object slips, -inf if there is no
+contact or if no forces balance the load however large they are.
+
+Joint limits, reserves and the directions of approach are not asked for. A footprint that leaves the allowed part of
+the surface is counted, and holds all the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..descriptions import robot_for
+from ..descriptions.pose import Pose
+from ..errors import InputError
+from ..geometry.shapes import surface_of
+from ..kinematics.robot import RobotModel
+from ..results import Grasp
+from ..verification import Certificate, Claim, Verifier
+from ..verification.balance import BalanceProblem
+from ..verification.contacts import Pads
+from ..verification.jacobians import rate_of_twist
+from ..verification.robot import read_robot
+from .closing import Closed, Closing, moved
+from .errors import Draw
+
+LOST = "no contact"
+OFF_PAD = "contact off the pad"
+TOUCHES = "another link touches the object"
+PENETRATES = "a pad's link enters the object"
+COLLIDES = "the robot touches walls, obstacles or itself"
+SLIPS = "the object slips"
+CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
+"""Why a grasp may fail, in the order in which the causes are looked for: the first one counts."""
+BALANCED = 1e-6
+"""How much a margin may be below zero for the tolerance of the cone solver, N."""
+NUDGES = (1e-7, -1e-7, 1e-6, -1e-6)
+"""Changes of the load, in parts of it, that are tried where the cone solver gives up: on a few loads in a thousand."""
+_CLEARANCES = ("enclosure clearance", "obstacle clearance", "self clearance", "self collision")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one set of errors does to a grasp."""
+
+    cause: str | None
+    """One of `CAUSES`; None if it holds."""
+    where: str
+    """Pad or pair of bodies that the cause is about."""
+    margin: float
+    """What is left of the inequalities of the balance, N."""
+    off_region: bool
+    """Whether a footprint leaves the part of the surface where contact is allowed."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the grasp holds."""
+        return self.cause is None
+
+    @property
+    def reason(self) -> str:
+        """The cause and what it is about, empty if the grasp holds."""
+        return ": ".join(part for part in (self.cause, self.where) if part)
+
+
+class Judge:
+    """Judges one grasp, whatever the errors.
+
+    Args:
+        grasp: of a result.
+
+    Raises:
+        InputError: it belongs to no result, or a file of its robot is missing or cannot be read.
+    """
+
+    def __init__(self, grasp: Grasp) -> None:
+        if grasp.setup is None:
+            raise InputError("belongs to no result", key="grasp", remedy="Take one of `Result.grasps`")
+        self.grasp, self.setup = grasp, grasp.setup
+        robot, scene = self.setup.robot, self.setup.scene
+        self.task = scene.task(self.setup.task)
+        self.body = scene.objects[self.task.object]
+        self._pads = robot_for(robot, scene, self.setup.task).pads
+        mount = scene.mounting.matrix
+        self._robot = RobotModel(robot).with_pads(tuple(pad.name for pad in self._pads)).mounted(mount)
+        self.T_world_object = self.body.pose.matrix
+        hand = np.concatenate([grasp.synergy, grasp.contact_parameters])
+        surface = surface_of(self.body.shape)
+        self.closing = Closing(self._robot, surface, grasp.q_arm, hand, self.T_world_object)
+        read = read_robot(robot)
+        self._kinematics = read.kinematics.mounted(mount)
+        self._rates = read.synergies.rates(self._kinematics.joints)
+        self._tau = float(np.linalg.norm(self._drive_torques(grasp.claim)))
+
+    @property
+    def no_errors(self) -> Draw:
+        """Errors of size zero."""
+        return Draw.none(self.task.contact.friction, len(self.grasp.q_arm))
+
+    def verdict(self, draw: Draw) -> Verdict:
+        """Return what a set of errors does to the grasp."""
+        closed = self._closed(draw)
+        if closed.left:
+            return Verdict(OFF_PAD, "", -math.inf, False)
+        claim, verifier = self._claim(closed), self._verifier(closed.T_world_object, draw)
+        certificate = verifier.check(claim)
+        cause, where = _no_contact(certificate)
+        if cause is not None:
+            return Verdict(cause, where, -math.inf, False)
+        margin = self._margin(verifier.hold(claim).problem, draw.weight)
+        cause, where = _touching(certificate)
+        if cause is None and margin < -BALANCED:
+            cause = SLIPS
+        regions = [figure for figure in certificate.figures if figure.name == "contact region"]
+        return Verdict(cause, where, margin, any(not figure.holds for figure in regions))
+
+    def balances(self, draw: Draw) -> bool:
+        """Return whether the contacts balance the load, whether or not pads bear and links are clear."""
+        return self._margin(self._problem(draw), draw.weight) >= -BALANCED
+
+    def growth(self, directions: Array) -> Array:
+        """Return by how much of each wrench the load may grow if there are no errors, shape (directions,).
+
+        Args:
+            directions: force and torque about the centre of mass, N and N m, not zero, shape (directions, 6).
+        """
+        problem = self._problem(self.no_errors)
+        found = _nudged(lambda share: problem.multiples(share * self.task.wrench.vector, directions))
+        return np.nan_to_num(found)
+
+    def _problem(self, draw: Draw) -> BalanceProblem:
+        closed = self._closed(draw)
+        return self._verifier(closed.T_world_object, draw).hold(self._claim(closed)).problem
+
+    def _margin(self, problem: BalanceProblem, weight: float) -> float:
+        load = weight * self.task.wrench.vector
+        margin = float(_nudged(lambda share: np.array(problem.margin(share * load))))
+        return -math.inf if math.isnan(margin) else margin
+
+    def _closed(self, draw: Draw) -> Closed:
+        T, _ = moved(self.T_world_object, draw.position, draw.orientation)
+        return self.closing.closed(self.grasp.q_arm + draw.joints, T)
+
+    def _claim(self, closed: Closed) -> Claim:
+        """Return what the verification judges: planned forces, gone along with the pads, at the planned squeeze."""
+        planned = self.grasp.claim
+        turned = closed.rotations @ self.closing.planned.rotations.transpose(0, 2, 1)
+        forces = np.einsum("nij,nj->ni", turned, planned.forces)
+        joints = self._robot.joints_by_name(closed.posture)
+        claim = Claim(joints, closed.points, forces, planned.spin_torques)
+        tau = float(np.linalg.norm(self._drive_torques(claim)))
+        share = self._tau / tau if tau > 0.0 else 1.0
+        return replace(claim, forces=share * forces, spin_torques=share * planned.spin_torques)
+
+    def _drive_torques(self, claim: Claim) -> Array:
+        """Return tau of the forces of a claim, N m (N), shape (synergies,)."""
+        poses = self._kinematics.poses(claim.joints)
+        normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
+        moments = np.cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
+        rates = [rate_of_twist(self._kinematics.twists(pad.link, poses), self._rates) for pad in self._pads]
+        return np.asarray(np.einsum("isk,ik->s", np.array(rates), np.column_stack([claim.forces, moments])))
+
+    def _verifier(self, T_world_object: Array, draw: Draw) -> Verifier:
+        """Return the verifier of the scene as it is with these errors."""
+        scene, name = self.setup.scene, self.setup.task
+        center = tuple((np.array(self.body.center_of_mass) + draw.center_of_mass).tolist())
+        body = self.body.model_copy(update={"pose": Pose.of(T_world_object), "center_of_mass": center})
+        contact = self.task.contact.model_copy(update={"friction": draw.friction})
+        task = self.task.model_copy(update={"contact": contact, "withstand": None})
+        changed = scene.changed(
+            objects={**scene.objects, self.task.object: body}, tasks={**scene.tasks, self.setup.task: task}
+        )
+        return Verifier(self.setup.robot, changed, name)
+
+
+def _nudged(solve: Callable[[float], Array]) -> Array:
+    """Return what is solved for the load, or for one next to it where the solver fails; not a number if it always does.
+
+    Args:
+        solve: the solution for a multiple of the load.
+    """
+    found = solve(1.0)
+    for nudge in NUDGES:
+        if not np.isnan(found).any():
+            break
+        found = solve(1.0 + nudge)
+    return found
+
+
+def _no_contact(certificate: Certificate) -> tuple[str | None, str]:
+    """Return whether contact is lost, and at which pad."""
+    for cause, name in ((LOST, "contact gap"), (LOST, "pad tangency"), (OFF_PAD, "contact on pad")):
+        if not certificate[name].holds:
+            return cause, certificate[name].where
+    return None, ""
+
+
+def _touching(certificate: Certificate) -> tuple[str | None, str]:
+    """Return whether the robot touches what it must not, and what touches what."""
+    for figure in certificate.figures:
+        if figure.name == "pad clearance" and not figure.holds:
+            return PENETRATES, figure.where
+        if figure.name == "object clearance" and not figure.value > 0.0:
+            return TOUCHES, figure.where
+        if figure.name in _CLEARANCES and not figure.value > 0.0:
+            return COLLIDES, figure.where
+    return None, ""

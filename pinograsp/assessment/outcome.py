@@ -1,0 +1,127 @@
+"""What an assessment found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from .errors import Draw, Errors
+from .judge import CAUSES, Verdict
+from .margins import Margin
+
+CONFIDENCE = 1.959963984540054
+"""Standard deviations of a normal distribution that hold 95 % of it."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One set of errors and what it does to the grasp."""
+
+    number: int
+    """From 1, in the order in which they are drawn."""
+    errors: Draw
+    verdict: Verdict
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the sample as JSON data; a margin that is not finite is None."""
+        verdict = self.verdict
+        return {
+            "number": self.number,
+            "errors": self.errors.to_json(),
+            "holds": verdict.holds,
+            "cause": verdict.cause,
+            "where": verdict.where,
+            "margin": verdict.margin if math.isfinite(verdict.margin) else None,
+            "off_region": verdict.off_region,
+        }
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """How much a grasp puts up with."""
+
+    errors: Errors
+    """Sizes of the errors that were drawn, friction included."""
+    asked: int
+    """Samples asked for."""
+    seed: int
+    samples: tuple[Sample, ...]
+    """Those that were judged, in order."""
+    margins: tuple[Margin, ...]
+    """How large each kind of error may be, alone; none if the grasp fails without errors."""
+    without_errors: Verdict
+    """Of the grasp as it was planned."""
+    interrupted: bool = False
+
+    @property
+    def done(self) -> int:
+        """Number of samples judged."""
+        return len(self.samples)
+
+    @property
+    def holding(self) -> int:
+        """Number of samples that hold."""
+        return sum(sample.verdict.holds for sample in self.samples)
+
+    @property
+    def share(self) -> float:
+        """Share of the samples that holds; not a number if there are none."""
+        return self.holding / self.done if self.samples else math.nan
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence interval of the share (Wilson's score interval); (0, 1) if there are no samples."""
+        return wilson(self.holding, self.done)
+
+    @property
+    def causes(self) -> dict[str, int]:
+        """Number of failures by cause, causes without any left out."""
+        found = [sample.verdict.cause for sample in self.samples]
+        return {cause: found.count(cause) for cause in CAUSES if cause in found}
+
+    @property
+    def off_region(self) -> int:
+        """Samples in which a footprint leaves the part of the surface where contact is allowed; they may hold."""
+        return sum(sample.verdict.off_region for sample in self.samples)
+
+    @property
+    def worst(self) -> Sample | None:
+        """The sample with the least margin of balance, the first of several; None if there are no samples."""
+        return min(self.samples, key=lambda sample: sample.verdict.margin, default=None)
+
+    def margin(self, kind: str) -> Margin:
+        """Return the margin of a kind of error: position, orientation, friction, weight, center of mass, joint."""
+        return next(margin for margin in self.margins if margin.kind == kind)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the assessment as JSON data: SI units, world frame, numbers that are not finite None."""
+        low, high = self.interval
+        margin = self.without_errors.margin
+        return {
+            "errors": self.errors.to_json(),
+            "seed": self.seed,
+            "samples": {"asked": self.asked, "done": self.done, "holding": self.holding},
+            "share": self.share if self.samples else None,
+            "interval": [low, high],
+            "causes": self.causes,
+            "off_region": self.off_region,
+            "worst": self.worst.to_json() if self.worst else None,
+            "without_errors": {
+                "holds": self.without_errors.holds,
+                "cause": self.without_errors.cause,
+                "margin": margin if math.isfinite(margin) else None,
+            },
+            "margins": {margin.kind: margin.to_json() for margin in self.margins},
+            "interrupted": self.interrupted,
+        }
+
+
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """Return Wilson's score interval of a share, 95 %; (0, 1) without trials."""
+    if not trials:
+        return 0.0, 1.0
+    share, z2 = successes / trials, CONFIDENCE**2
+    middle = (share + z2 / (2 * trials)) / (1.0 + z2 / trials)
+    half = CONFIDENCE / (1.0 + z2 / trials) * math.sqrt(share * (1.0 - share) / trials + z2 / (4 * trials**2))
+    return max(0.0, middle - half) if successes else 0.0, min(1.0, middle + half) if successes < trials else 1.0
