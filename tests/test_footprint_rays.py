@@ -9,17 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import Array, agree
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from places import changed, project, random_starts
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 import pinograsp
+from pinograsp import InputError
 from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions.patches import Patch, PlanePatch
 from pinograsp.descriptions.regions import Region
 from pinograsp.descriptions.shapes import Shape
 from pinograsp.geometry.contact_faces import Flat, Ruling, Spot, clipped, edge_distance
+from pinograsp.geometry.patches import inside_rim, patch_point
 from pinograsp.geometry.regions import is_convex
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.robot import RobotModel
@@ -28,7 +31,7 @@ from pinograsp.problem.footprint import rays
 from pinograsp.solve.projection import nearest_assignment
 from pinograsp.verification import Verifier
 from pinograsp.verification.footprint import footprint
-from pinograsp.verification.patches import contact_face
+from pinograsp.verification.patches import contact_face, rim_distance
 from pinograsp.verification.shapes import GEOMETRY
 
 SHAPE = TypeAdapter(Shape)
@@ -226,10 +229,44 @@ def test_a_point_may_be_inside_where_its_footprint_is_not(gen3: RobotModel, can_
     assert min(outside) < -1e-3
 
 
-@settings(deadline=None, max_examples=5)
-@given(rim=st.floats(0.0005, 0.004))
-def test_contacts_keep_their_reserve_from_rims(gen3: RobotModel, can_scene: SceneDescription, rim: float) -> None:
-    scene = changed(can_scene, "tasks", "can", reserve={"rim": rim})
-    grasps = list(pinograsp.Planner(gen3, scene).grasps("can", most=1))
-    assert grasps[0].certificate["pad rim"].value >= rim - 2e-6
-    assert grasps[0].certificate["surface edge"].value >= rim - 2e-5
+def test_contacts_keep_their_reserve_from_rims(gen3: RobotModel, can_scene: SceneDescription) -> None:
+    """Without one the desired points, beside the ring, draw them to the very rim."""
+    for rim in (0.0, 0.004):
+        scene = changed(can_scene, "tasks", "can_region", reserve={"rim": rim})
+        result = pinograsp.plan(gen3, scene, "can_region", starts=6, workers=1)
+        assert result.reliable >= 5
+        found = [grasp.certificate["pad rim"].value for grasp in result.grasps]
+        assert min(found) == pytest.approx(rim, abs=2e-6)
+        assert min(grasp.certificate["surface edge"].value for grasp in result.grasps) >= rim - 2e-5
+
+
+PATCH = TypeAdapter(Patch)
+FRAME = {"origin": [0, 0, 0], "normal": [0, 0, 1], "x_axis": [1, 0, 0]}
+PATCHES = (
+    {"type": "plane", "u": [-0.01, 0.02], "v": [-0.01, 0.005]},
+    {"type": "line", "u": [-0.01, 0.02], "width": 0.02},
+    {"type": "cylinder", "radius": 0.01, "u": [-0.01, 0.02], "v": [-1.0, 0.7]},
+    {"type": "cylinder", "radius": 0.01, "u": [-0.01, 0.02], "v": [-math.pi, math.pi]},
+    {"type": "sphere", "radius": 0.012, "u": [-1.2, 0.785], "v": [-1.0, 0.6]},
+)
+
+
+@pytest.mark.parametrize("described", PATCHES, ids=lambda patch: str(patch["type"]))
+@given(share=st.tuples(st.floats(0, 1), st.floats(0, 1)), reserve=st.floats(0.0, 0.004))
+def test_parameters_within_a_reserve_are_so_far_from_the_rim(
+    described: dict[str, Any], share: tuple[float, float], reserve: float
+) -> None:
+    patch = PATCH.validate_python(described | FRAME)
+    low, high = inside_rim(patch, reserve).T
+    at = low + np.array(share[: len(low)]) * (high - low)
+    assert rim_distance(patch, patch_point(patch, at).point) >= reserve - 1e-12
+    if isinstance(patch, PlanePatch):
+        assert rim_distance(patch, patch_point(patch, low).point) == pytest.approx(reserve, abs=1e-12)
+
+
+def test_a_reserve_that_leaves_nothing_of_a_pad_is_refused(gen3: RobotModel, can_scene: SceneDescription) -> None:
+    scene = changed(can_scene, "tasks", "can", reserve={"rim": 0.011})
+    with pytest.raises(
+        InputError, match=r"tasks\.can\.reserve\.rim: a reserve of 11 mm leaves nothing of the pad 'left'"
+    ):
+        TaskModel(gen3, scene, "can")

@@ -232,9 +232,9 @@ def test_bounds_are_ranges_within_the_limits(gen3: RobotModel, glovebox: SceneDe
     assert bounds[0] == pytest.approx((3.0 - turn, 3.6 - turn))
     assert bounds[2] == pytest.approx((-40.0 + 6 * turn, -39.0 + 6 * turn))
     assert bounds[4][1] - bounds[4][0] > turn  # more than a whole turn: no restriction
-    assert bounds[5] == (-2.09, 1.0)
+    assert bounds[5] == pytest.approx((-2.07, 1.0))  # 0.02 from the robot's limit
     assert bounds[7] == (0.1, 0.2)
-    assert bounds[1] == (-2.24, 2.24)
+    assert bounds[1] == pytest.approx((-2.22, 2.22))
     np.testing.assert_array_equal(gen3.lower[:1], -turn)  # the robot is left as it is
 
 
@@ -243,7 +243,7 @@ def test_bounds_are_ranges_within_the_limits(gen3: RobotModel, glovebox: SceneDe
     [
         ("joint_8", (0.0, 1.0), ["'joint_8'", "no arm joint or synergy of gen3_2f85", "Did you mean joint_"]),
         ("robotiq_85_mimic_left_finger_tip_joint", (0.0, 1.0), ["no arm joint or synergy", f"It mimics {KNUCKLE}"]),
-        ("joint_6", (2.1, 3.0), ["[2.1, 3]", "[-2.09, 2.09]"]),
+        ("joint_6", (2.1, 3.0), ["[2.1, 3]", "[-2.07, 2.07]", "reserve of 0.02"]),
         (KNUCKLE, (-0.5, 0.0), ["[-0.5, 0]", "[0, 0.8]"]),
     ],
 )

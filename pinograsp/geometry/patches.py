@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.patches import CylinderPatch, LinePatch, PlanePatch, SpherePatch
+from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch, SpherePatch
 
 
 class PatchPoint(NamedTuple):
@@ -39,6 +39,27 @@ def patch_point(patch: object, parameters: Array) -> PatchPoint:
 def above(patch: object, points: Array) -> Array:
     """Return how far points, patch frame, shape (n, 3), stand out of the patch's surface continued, m, shape (n,)."""
     raise NotImplementedError(type(patch).__name__)
+
+
+def inside_rim(patch: Patch, reserve: float) -> Array:
+    """Return the ranges of the contact parameters of points that keep a distance from the patch's rim, shape (k, 2).
+
+    Distances are along the surface, m. On a sphere the range of u is that of the v where it is narrowest. Parameters
+    that go all the way round have no rim. A range is empty, its ends in the wrong order, if the patch is too small; so
+    is one of a line whose face is.
+    """
+    limits = np.array(patch.parameters)
+    lengths = np.ones(len(limits))
+    if isinstance(patch, LinePatch) and 0.0 < patch.width < 2.0 * reserve:
+        return limits[:, ::-1]
+    if isinstance(patch, CylinderPatch):
+        lengths[1] = patch.radius
+    if isinstance(patch, SpherePatch):
+        steepest = float(np.abs(limits[1]).max()) - reserve / patch.radius
+        lengths[:] = patch.radius * math.cos(max(steepest, 0.0)), patch.radius
+    turns = isinstance(patch, CylinderPatch | SpherePatch) & (limits[:, 1] - limits[:, 0] >= math.tau - 1e-9)
+    step = np.where(turns, 0.0, reserve / lengths)
+    return np.asarray(limits + step[:, None] * [1.0, -1.0])
 
 
 _UP = np.array([0.0, 0.0, 1.0])

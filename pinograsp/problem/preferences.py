@@ -1,4 +1,4 @@
-"""What a task prefers, in terms of its robot: a cone of approach directions, and bounds of the posture."""
+"""What a task prefers, in terms of its robot: a cone of approach directions, bounds of posture and contacts."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ..arrays import Array
 from ..descriptions import SceneDescription, TaskDescription
 from ..errors import InputError, close_names
 from ..geometry.cone import Cone
+from ..geometry.patches import inside_rim
 from ..kinematics.robot import RobotModel
 
 TURN = 2.0 * math.pi
@@ -68,3 +69,19 @@ def _within_reserve(robot: RobotModel, scene: SceneDescription, task_name: str) 
             raise InputError(problem, file=scene.source, key=key, remedy=remedy)
         lower[i], upper[i] = lower[i] + reserve, upper[i] - reserve
     return lower, upper
+
+
+def parameter_limits(robot: RobotModel, scene: SceneDescription, task_name: str) -> Array:
+    """Return the ranges of the contact parameters q_c, within the task's reserve from the rims, shape (c, 2).
+
+    Raises:
+        InputError: the reserve leaves nothing of a pad.
+    """
+    reserve = scene.task(task_name).reserve.rim
+    limits = [inside_rim(pad.patch, reserve) for pad in robot.pads]
+    for pad, ranges in zip(robot.description.pads, limits, strict=True):
+        if (ranges[:, 0] > ranges[:, 1]).any():
+            problem = f"a reserve of {1e3 * reserve:g} mm leaves nothing of the pad {pad.name!r}"
+            key, remedy = f"tasks.{task_name}.reserve.rim", "Give a smaller reserve"
+            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
+    return np.concatenate(limits)

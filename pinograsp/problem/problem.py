@@ -83,7 +83,7 @@ class GraspProblem:
         }
         self.rows = Rows(_rows(self._equalities), _rows(self._inequalities))
         self._data = model.robot.model.createData()
-        low, high = model.robot.parameter_limits.T
+        low, high = model.parameter_limits.T
         self.lower = np.concatenate([model.lower, low])
         self.upper = np.concatenate([model.upper, high])
 

@@ -18,7 +18,7 @@ from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import RobotModel
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
-from .preferences import approach_cone, posture_bounds
+from .preferences import approach_cone, parameter_limits, posture_bounds
 
 
 class TaskModel:
@@ -30,6 +30,7 @@ class TaskModel:
         pads = robot_for(robot.description, scene, task_name).pads
         self.robot = robot.with_pads(tuple(pad.name for pad in pads)).mounted(scene.mounting.matrix)
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
+        self.parameter_limits = parameter_limits(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         self.surface = surface_of(scene.objects[self.task.object].shape)
         region = self.task.contact_region
