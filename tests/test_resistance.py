@@ -263,6 +263,15 @@ def test_figures(case: Case) -> None:
     assert hard["Q_force"] > 1.0
 
 
+def test_the_force_limit_of_the_plan_does_not_make_a_gripper_let_go(case: Case) -> None:
+    """Its one drive bounds the forces."""
+    by_limit = []
+    for most in (4.0, 50.0):
+        contact = {"friction": 0.9, "min_normal_force": 0.001, "max_force": most}
+        by_limit.append(resistance(case, case.scene(contact=contact)))
+    assert by_limit[0] == by_limit[1]
+
+
 def test_a_small_residual_does_not_count(case: Case) -> None:
     """Of hard fingers, which balance some wrenches not at all: forces off by 1 uN, points by 1 um."""
     hard = case.scene(contact_model={"model": "hard_finger"})

@@ -5,7 +5,8 @@ outward normal n. With f_n = n . f_j, f_t the rest of f_j, e the torsional frict
 contact i, the contacts can exert the forces with
 
     norm(f_t, m_j / e) <= mu f_n            Coulomb at every point (elliptic with the spin torque; hard finger: m_j = 0)
-    norm(F_i) <= f_max,  n . F_i >= f_min   for every contact
+    n . F_i >= f_min                        for every contact
+    norm(F_i) <= f_max                      for every contact, if f_max is finite
     sum_j t_j . (f_j, m_j) = tau            the drive squeezes with the torque that it has
 
 Two questions are answered about a wrench w on the object, force and torque about its centre of mass:
@@ -54,7 +55,7 @@ class Limits:
     least: float
     """f_min, N."""
     most: float
-    """f_max, N."""
+    """f_max, N; infinite: the drive alone bounds the forces."""
 
 
 @dataclass(frozen=True)
@@ -212,16 +213,22 @@ class _Cones:
         of_contact = at.contact[columns.point]
         presses = columns.kind == 0
         pressing = (of_contact == np.arange(contacts)[:, None]) * presses
-        sums = (of_contact == np.arange(contacts)[:, None, None]) * columns.forces.T
-        totals = np.concatenate([np.zeros((contacts, 1, len(of_contact))), sums], axis=1).reshape(4 * contacts, -1)
         coulomb = np.diag(np.where(presses, limits.friction, 1.0))
         sizes = np.bincount(columns.point, minlength=count)
-        heads = np.concatenate([np.ones(contacts, dtype=bool), presses, np.tile([True, False, False, False], contacts)])
-        offsets = np.zeros(len(heads))
-        offsets[:contacts] = -limits.least
-        offsets[-4 * contacts :: 4] = limits.most
+        least = -limits.least * np.ones(contacts)
+        rows, offsets = [pressing, coulomb], [least, np.zeros(len(presses))]
+        heads, limited = [np.ones(contacts, dtype=bool), presses], contacts if math.isfinite(limits.most) else 0
+        for contact in range(limited):
+            total = np.where(of_contact == contact, columns.forces.T, 0.0)
+            rows.append(np.vstack([np.zeros(len(presses)), total]))
+            offsets.append(np.array([limits.most, 0.0, 0.0, 0.0]))
+            heads.append(np.array([True, False, False, False]))
         return cls(
-            np.concatenate([pressing, coulomb, totals]), offsets, heads, contacts, (*sizes.tolist(), *[4] * contacts)
+            np.concatenate(rows),
+            np.concatenate(offsets),
+            np.concatenate(heads),
+            contacts,
+            (*sizes.tolist(), *[4] * limited),
         )
 
 

@@ -7,14 +7,16 @@ by a against the direction d, and with a torque as it is turned. For the six dir
     Q_torque   the same for the torque m a (50 mm) d about the centre of mass, m/s^2 with an arm of 50 mm
 
 The contacts exert forces at the corners of their footprints (`footprint`; of large ones at most `CORNERS`, the contact
-point among them), within friction, spin and force limits (`balance`). The load is what the planned forces balance, so
+point among them), within friction and spin limits (`balance`). The load is what the planned forces balance, so
 that a residual of the plan, which the balance figures judge, does not count here. The squeeze stays as planned: with
 J_j the hand's Jacobian at the corner j, S the synergies and mimic joints in S, the driver torques of the plan are
 
     tau = S^T sum_i J_i^T f_i       and for the others   tau^T (S^T sum_j J_j^T f_j) = tau^T tau
 
-One driver keeps its torque exactly. Several drivers, which hold positions rather than torques, share the squeeze anew:
-only the combination that is planned is kept. A hand whose drivers feel none of the planned forces keeps nothing.
+One driver keeps its torque exactly, and with it bounds all forces: f_max, a limit of the plan, is nothing that makes an
+object slip, neither in simulation nor in fact, and does not count. Several drivers, which hold positions rather than
+torques, share the squeeze anew: only the combination that is planned is kept, and f_max counts, since nothing else
+bounds what a finger bears. A hand whose drivers feel none of the planned forces keeps nothing.
 
 Limits of the figures. Pads and object are rigid and pressures act at the footprint's corners, which is exact for points
 and lines and close to it for areas; hand and arm do not yield; the object does not leave its contacts and touch
@@ -102,7 +104,8 @@ def hold_of(
     radii = [pad.contact.torsion_radius if isinstance(pad.contact, SoftFinger) else 0.0 for pad in pads.pads]
     at = ContactPoints(contact, points, normals[contact], np.array(radii)[contact], drive)
     constants = task.contact
-    limits = Limits(constants.friction, constants.min_normal_force, constants.max_force)
+    most = math.inf if len(torques) == 1 else constants.max_force
+    limits = Limits(constants.friction, constants.min_normal_force, most)
     force, torque = exerted[:, :3].sum(axis=0), exerted[:, 3:].sum(axis=0)
     load = -np.concatenate([force, torque - cross(center_of_mass, force)])
     return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
