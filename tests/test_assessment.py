@@ -77,7 +77,7 @@ def grasp_of(toy: RobotModel, setup: Setup) -> Grasp:
         )
         for side, sign in (("left", 1.0), ("right", -1.0))
     )
-    posture = np.array([0.0, OPENING])
+    posture = np.array([0.0, OPENING, RADIUS - MIDDLE])[: toy.posture_size]
     return Grasp(
         start=0,
         count=1,
@@ -138,6 +138,29 @@ def test_box_turns_until_it_is_flush(make_grasp: Make) -> None:
     np.testing.assert_allclose(T[:3, :3], np.eye(3), atol=1e-5)
     about_x = closed(judge, orientation=[0.06, 0.0, 0.0])  # the jaw does not feel it
     np.testing.assert_allclose(about_x[:3, :3], Rotation.from_rotvec([0.06, 0.0, 0.0]).as_matrix(), atol=1e-6)
+
+
+def test_can_is_pushed_and_turned_by_the_least_motion(make_grasp: Make) -> None:
+    """Its axis ends in the plane between the pads, at its projection on that plane, and turns the shortest way."""
+    judge, offset, turn = Judge(make_grasp(CAN)), np.array([0.003, 0.002, -0.004]), np.array([0.05, 0.09, -0.3])
+    displaced, _ = moved(judge.T_world_object, offset, turn)
+    axis = displaced[:3, 2]
+    flush = np.array([0.0, axis[1], axis[2]])
+    across = np.cross(axis, flush)
+    angle = math.asin(np.linalg.norm(across) / np.linalg.norm(flush))
+    expected, _ = moved(displaced, np.array([-offset[0], 0.0, 0.0]), angle * across / np.linalg.norm(across))
+    np.testing.assert_allclose(closed(judge, position=offset, orientation=turn), expected, atol=1e-5)
+
+
+def test_hand_of_many_synergies_yields_before_the_object(make_toy: RobotFactory, make_grasp: Make) -> None:
+    """Fingers that slide on their own reach a ball where it is, as far as they go; then it gives way."""
+    urdf = TOY_URDF.replace('<mimic joint="slide_left" multiplier="1.25" offset="0.002"/>', "")
+    toy = make_toy(urdf, hand={"synergies": [{"joint": "slide_left"}, {"joint": "slide_right"}]})
+    setup = make_grasp().setup
+    assert setup is not None
+    judge = Judge(grasp_of(toy, replace(setup, robot=toy.description)))
+    np.testing.assert_allclose(closed(judge, position=[0.004, 0.0, 0.0])[0, 3], MIDDLE + 0.004, atol=5e-6)
+    np.testing.assert_allclose(closed(judge, position=[-0.025, 0.0, 0.0])[0, 3], -RADIUS, atol=1e-7)
 
 
 def test_arm_error_moves_the_ball_along_the_jaw_alone(make_grasp: Make) -> None:

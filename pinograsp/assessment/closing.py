@@ -10,13 +10,15 @@ conditions are those of a grasp, in metres, rho the size of the object:
 Of all motions that keep them the one is wanted that moves the object least, and of the hands that go with it the one
 nearest to y_0, where the search begins:
 
-    minimise  |c|^2 / CONTACT^2  +  |v|^2 + rho^2 |omega|^2  +  HAND^2 |y - y_0|^2
+    first     minimise  |c|^2 / CONTACT^2  +  |v|^2 + rho^2 |omega|^2  +  HAND^2 |y - y_0|^2     over xi and y
+    second    minimise  |c|^2 / CONTACT^2  +  |y - y_0|^2                                        over y
 
 with y in units that slide a contact by a metre. CONTACT = 1e-3 makes c vanish to micrometres and leaves alone what
-yields less than a thousandth of the motion: pads that are parallel whatever the hand does cannot both be tilted. HAND
-= 1e-2 puts the object before the hand: it moves by 1e-4 of what the hand could do in its place. Levenberg-Marquardt
-steps lead there. If what of the object is at the contact point p moves by dp, the distance there changes by -n . dp,
-and the normal by omega x n - H dp, H the Hessian of the distance.
+yields less than a thousandth of the motion: pads that are parallel whatever the hand does cannot both be tilted.
+HAND = 1e-2 puts the object before the hand: the object moves by 1e-4 of what the hand could do in its place.
+Levenberg-Marquardt steps lead there; one that leaves c = 0, which curves, is brought back by a second one. If what of
+the object is at the contact point p moves by dp, the distance there changes by -n . dp, and the normal by
+omega x n - H dp, H the Hessian of the distance.
 
 Bounds. A synergy that comes to its limit stays there. A contact that leaves its pad is not drawn back: it may slide
 along its footprint, with object and fingers where they are (a flat pad on a flat side touches at other points too); if
@@ -47,6 +49,8 @@ HAND = 1e-2
 STEPS = 60
 DONE = 1e-8
 """Length of a step, m, after which the search ends."""
+GAIN = 1e-12
+"""Decrease of the sum, m^2, below which it ends as well."""
 GAP, TILT = 1e-5, 1e-3
 """Gap, m, and angle, rad, of a contact that bears: half of what the verification allows."""
 Mask = NDArray[np.bool_]
@@ -132,15 +136,16 @@ class Closing:
 
     def _settled(self, q_arm: Array, T_displaced: Array, place: _Place) -> tuple[_Place, bool]:
         """Return where hand and object come to rest, contacts on their pads, and whether some had left them."""
-        anywhere = np.where(self._slides, np.inf, 0.0)
-        everything = np.ones(len(place.z), dtype=bool)
-        place = self._solved(q_arm, T_displaced, place, everything, self._lower - anywhere, self._upper + anywhere)
+        anywhere, origin = np.where(self._slides, np.inf, 0.0), place.z
+        bounds = self._lower - anywhere, self._upper + anywhere
+        place = self._solved(q_arm, T_displaced, place, origin, np.ones(len(origin), dtype=bool), bounds)
+        place = self._solved(q_arm, T_displaced, place, origin, np.arange(len(origin)) >= 6, bounds)
         on_pads = np.clip(place.z, self._lower, self._upper)
         if (on_pads == place.z).all():
             return place, False
         place = self._place(q_arm, T_displaced, on_pads)
         if not self._bears(place):
-            place = self._solved(q_arm, T_displaced, place, self._slides, self._lower, self._upper)
+            place = self._solved(q_arm, T_displaced, place, origin, self._slides, (self._lower, self._upper))
         return place, True
 
     def _following(self, q_arm: Array, T_displaced: Array, place: _Place) -> _Place:
@@ -187,14 +192,20 @@ class Closing:
         return _Place(z, T, configuration, contacts, values, jacobian)
 
     def _solved(
-        self, q_arm: Array, T_displaced: Array, place: _Place, free: Mask, lower: Array, upper: Array
+        self,
+        q_arm: Array,
+        T_displaced: Array,
+        place: _Place,
+        origin: Array,
+        free: Mask,
+        bounds: tuple[Array, Array],
     ) -> _Place:
         """Return where Levenberg-Marquardt steps of the free variables lead, within bounds.
 
-        The motion of the hand is counted from where they begin, that of the object from where it was.
+        Motion is counted from `origin`; that of the hand counts for little if the object is free.
         """
-        weights = np.where(np.arange(len(free)) < 6, 1.0, HAND)
-        origin = np.where(np.arange(len(free)) < 6, 0.0, place.z)
+        (lower, upper), hand = bounds, np.arange(len(free)) >= 6
+        weights = np.where(hand & free[0], HAND, 1.0)
         square = _square(place, weights, origin)
         damping = 1.0
         for _ in range(STEPS):
@@ -202,17 +213,21 @@ class Closing:
             gradient = J.T @ place.values / CONTACT + rest
             moving = free & ~((place.z <= lower) & (gradient > 0.0)) & ~((place.z >= upper) & (gradient < 0.0))
             H = J[:, moving].T @ J[:, moving] + np.diag(weights[moving] ** 2 + damping * weights[moving])
-            z = place.z.copy()
-            z[moving] -= np.linalg.solve(H, gradient[moving])
-            z = np.clip(z, lower, upper)
-            length = float(np.abs(z - place.z).max())
-            trial = self._place(q_arm, T_displaced, z)
+            step = np.zeros_like(place.z)
+            step[moving] = -np.linalg.solve(H, gradient[moving])
+            trial = self._place(q_arm, T_displaced, np.clip(place.z + step, lower, upper))
+            length = float(np.abs(trial.z - place.z).max())
             trial_square = _square(trial, weights, origin)
-            if trial_square <= square:
+            if trial_square > square:  # the conditions curve away from the step: back onto them
+                step[moving] = -np.linalg.solve(H, (J.T @ trial.values / CONTACT)[moving])
+                trial = self._place(q_arm, T_displaced, np.clip(trial.z + step, lower, upper))
+                trial_square = _square(trial, weights, origin)
+            gained = square - trial_square
+            if gained >= 0.0:
                 place, square, damping = trial, trial_square, 0.1 * damping
             else:
                 damping *= 10.0
-            if length < DONE:
+            if length < DONE or 0.0 <= gained < GAIN:
                 break
         return place
 

@@ -47,7 +47,8 @@ def assess_command(
     center_of_mass: Annotated[float, typer.Option(help="Error of the centre of mass, mm.")] = 1e3
     * DEFAULT.center_of_mass,
     joint: Annotated[
-        float, typer.Option(help="Error of each arm joint, degrees (of sliding joints: 17.5 mm a degree).")
+        float,
+        typer.Option(help="Error of each arm joint, degrees (of sliding ones 17.5 mm a degree).", show_default="0.057"),
     ] = math.degrees(DEFAULT.joint),
     seed: Annotated[int, typer.Option(min=0, help="Seed of the errors.")] = 0,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
