@@ -84,6 +84,7 @@ def make_grasp(toy: RobotModel, make_toy_scene: SceneFactory) -> MakeGrasp:
             cost=Cost(0.0, 0.0, 0.0),
             contacts=contacts,
             certificate=Certificate((Figure("Q_force", 16.7, 0.0, "m/s^2", "at least"),)),
+            T_world_wrist=np.eye(4),
             setup=Setup(robot.description, scene, "ball"),
         )
 

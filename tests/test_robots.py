@@ -380,7 +380,8 @@ def assert_held(grasp: Grasp, scene: SceneDescription, task: str) -> None:
     forces = np.array([contact.force for contact in grasp.contacts])
     np.testing.assert_allclose([above(arm, held.shape) for arm in arms], 0.0, atol=2e-5)
     np.testing.assert_allclose(forces.sum(axis=0) + wanted.wrench.force, 0.0, atol=5e-3)
-    np.testing.assert_allclose(np.cross(arms, forces).sum(axis=0), 0.0, atol=2e-4)
+    torques = np.cross(arms, forces) - [contact.spin_torque * contact.normal for contact in grasp.contacts]
+    np.testing.assert_allclose(torques.sum(axis=0), 0.0, atol=2e-4)
     slopes = [[above(arm + d, held.shape) - above(arm - d, held.shape) for d in 1e-6 * np.eye(3)] for arm in arms]
     pressure = -(forces * np.array(slopes) / 2e-6).sum(axis=1)
     assert (pressure > 0.0).all()
@@ -410,7 +411,7 @@ def test_most_starts_are_reliable(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "task"), ALLEGRO_TASKS)
 def test_three_of_four_fingers_hold(name: str, task: str, result: Result) -> None:
-    """The pads that the task names, three internal forces; the ring finger stays off the object."""
+    """The pads that the task names, six internal forces; the ring finger stays off the object."""
     robot, scene = robot_named(name), load_scene(result.scene)
     held, ring = scene.objects[task], robot.description.pads[3]
     assert ring.name == "ring"
@@ -423,7 +424,7 @@ def test_three_of_four_fingers_hold(name: str, task: str, result: Result) -> Non
         arms = np.array([contact.point for contact in grasp.contacts]) - held.center_of_mass_world
         G = np.block([[np.eye(3)] * 3, [pin.skew(arm) / held.shape.radius for arm in arms]])
         assert np.linalg.matrix_rank(G, tol=1e-3) == 6
-        assert grasp.internal_forces.shape == (3,)  # 9 components of force, less 6
+        assert grasp.internal_forces.shape == (6,)  # 12 components of force and spin torque, less 6
         posture = np.concatenate([grasp.q_arm, grasp.synergy])
         mounted = robot.mounted(scene.mounting.matrix)
         T = poses_of(mounted.model, mounted.joint_positions(posture))[ring.link]
@@ -433,7 +434,7 @@ def test_three_of_four_fingers_hold(name: str, task: str, result: Result) -> Non
 
 
 def test_contacts_of_all_four_fingers() -> None:
-    """With a fourth contact the internal forces are as many as the components of force, less 6."""
+    """With a fourth contact the internal forces are as many as the components of force and torque, less 6."""
     scene, robot = scene_of(ALLEGRO, "sphere"), robot_named(ALLEGRO)
     task = scene.tasks["sphere"]
     content = scene.model_dump()
@@ -446,9 +447,9 @@ def test_contacts_of_all_four_fingers() -> None:
     rng = np.random.default_rng(0)
     for _ in range(5):
         state = problem.state(rng.uniform(problem.lower, problem.upper))
-        assert state.statics.G.shape == (6, 12)
+        assert state.statics.G.shape == (6, 16)
         assert np.linalg.matrix_rank(state.statics.G) == 6
-        assert state.statics.E_s.shape == (12, 6)
+        assert state.statics.E_s.shape == (16, 10)
         np.testing.assert_allclose(state.statics.G @ state.statics.E_s, 0.0, atol=1e-9)
         np.testing.assert_allclose(state.statics.residual, 0.0, atol=1e-9)
 
@@ -478,8 +479,8 @@ def test_robot_check_is_clean(name: str) -> None:
 PACKAGE = Path(pinograsp.__file__).parent
 DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("plan", "database")}
 """The robot of a command that is given none."""
-EVERYBODYS = {"link1", "link2", "world", "base", "palm"} | set(TOOL_FRAMES)
-"""Attributes of an SRDF, plain words, and names of tool frames that `robot new` looks for on any arm."""
+EVERYBODYS = {"link1", "link2", "joint1", "joint2", "world", "base", "palm"} | set(TOOL_FRAMES)
+"""Attributes of an SRDF and of an MJCF, plain words, and names of tool frames that `robot new` looks for on any arm."""
 
 
 def words_of(file: Path) -> Iterator[str]:
