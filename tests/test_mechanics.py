@@ -313,8 +313,13 @@ def test_active_internal_forces(family: Family) -> None:
     assert E.shape[1] == min(internal, F.shape[1])
     np.testing.assert_allclose(statics.G @ F, 0.0, atol=1e-9 * np.abs(F).max())
     np.testing.assert_allclose(statics.G @ E, 0.0, atol=1e-9)
-    np.testing.assert_allclose(E.T @ E, np.eye(E.shape[1]), atol=1e-12)
-    np.testing.assert_allclose(E @ (E.T @ F), F, atol=1e-9 * np.abs(F).max())
+    # Orthonormal in newtons: spin torques divided by their radius.
+    rows = family.models.rows
+    newtons = np.ones(len(E))
+    newtons[rows.spin[rows.spin >= 0]] = rows.inverse_radius[rows.spin >= 0]
+    E_newtons, F_newtons = newtons[:, None] * E, newtons[:, None] * F
+    np.testing.assert_allclose(E_newtons.T @ E_newtons, np.eye(E.shape[1]), atol=1e-9)
+    np.testing.assert_allclose(E_newtons @ (E_newtons.T @ F_newtons), F_newtons, atol=1e-9 * np.abs(F_newtons).max())
     np.testing.assert_allclose(F @ statics.E_s_to_synergies, E, atol=1e-8)
     for squeeze in E.T:
         assert (family.at(ORIGIN).normals * family.models.forces(squeeze)).sum() >= 0.0

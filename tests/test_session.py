@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import trimesh
 from conftest import TOY_URDF, RobotFactory, SceneFactory
+from places import changed
 
 import pinograsp
 from pinograsp import InputError, Planner, plan, problem
@@ -381,7 +382,8 @@ def test_the_bound_is_reached_by_the_sphere(gen3: RobotModel, glovebox: SceneDes
 
 def test_the_bound_holds_for_other_tasks(paper: RobotModel, curved_gen3: RobotModel) -> None:
     for robot, scene, task in ((paper, "glovebox_can", "can_region"), (curved_gen3, "glovebox", "sphere")):
-        description = pinograsp.load_scene(scene)
+        # The round pads bulge out of flat finger tips by less than the margin that a task has by default.
+        description = changed(pinograsp.load_scene(scene), "tasks", task, margin={"object": 0.0})
         best = plan(robot, description, task, starts=6, workers=1).best
         assert best is not None
         assert least_U(TaskModel(robot, description, task)) <= best.cost.U

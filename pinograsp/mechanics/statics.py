@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array
 from ..compiled import compiled
 from .contacts import ContactModels, Contacts, Rows
 
@@ -73,7 +73,8 @@ class Statics:
     F_s: Array
     """Synergy displacements to active internal forces, shape (c, s)."""
     E_s: Array
-    """Orthonormal basis of the active internal forces, shape (c, e_s); each column squeezes for y > 0."""
+    """Basis of the active internal forces, orthonormal with spin torques divided by their radius e, shape (c, e_s);
+    each column squeezes for y > 0."""
     E_s_to_synergies: Array
     """F_s^+ E_s: the synergy displacement of least norm for each column of E_s, shape (s, e_s)."""
     f_p: Array
@@ -146,7 +147,8 @@ def _matrices(
     G_K_R = KGt @ inverse
     KJS = K @ (J @ synergies)
     F_s = KJS - G_K_R @ (G @ KJS)
-    E_s, to_synergies = _internal_basis(F_s, np.abs(KJS).max(), normals, rows.force)
+    E_s, to_synergies = _internal_basis(F_s, KJS, normals, rows)
+    E_s = E_s - G_K_R @ (G @ E_s)  # of weak synergies, rounding would not balance
     f_p = -(G_K_R @ wrench)
     return G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, wrench + G @ f_p
 
@@ -165,25 +167,30 @@ def _pseudo_inverse(A: Array) -> Array:
 
 
 @compiled
-def _internal_basis(F_s: Array, scale: float, normals: Array, force: Indices) -> tuple[Array, Array]:
-    """Return E_s and F_s^+ E_s from the singular value decomposition of F_s.
+def _internal_basis(F_s: Array, KJS: Array, normals: Array, rows: Rows) -> tuple[Array, Array]:
+    """Return E_s and F_s^+ E_s from the singular value decomposition of F_s, spin torques divided by their radius e.
 
     A singular value counts as zero against the scale of K J S, of which F_s is a projection: a hand that cannot
     squeeze has e_s = 0. Signs are chosen so that y > 0 presses on the object.
     """
-    U, values, Vt = np.linalg.svd(F_s, full_matrices=False)
+    in_newtons = np.ones(len(F_s))
+    for i in range(len(rows.spin)):
+        if rows.spin[i] >= 0:
+            in_newtons[rows.spin[i]] = rows.inverse_radius[i]
+    U, values, Vt = np.linalg.svd(F_s * in_newtons.reshape(-1, 1), full_matrices=False)
+    least = RANK_TOLERANCE * np.abs(KJS * in_newtons.reshape(-1, 1)).max()
     rank = 0
-    while rank < len(values) and values[rank] > RANK_TOLERANCE * scale:
+    while rank < len(values) and values[rank] > least:
         rank += 1
     E, back = np.empty((len(U), rank)), np.empty((Vt.shape[1], rank))
     for k in range(rank):
         pressing = 0.0
-        for i in range(len(force)):
+        for i in range(len(rows.force)):
             for axis in range(3):
-                pressing += normals[i, axis] * U[force[i] + axis, k]
+                pressing += normals[i, axis] * U[rows.force[i] + axis, k]
         sign = -1.0 if pressing < 0.0 else 1.0
         for j in range(len(E)):
-            E[j, k] = sign * U[j, k]
+            E[j, k] = sign * U[j, k] / in_newtons[j]
         for j in range(len(back)):
             back[j, k] = sign * Vt[k, j] / values[k]
     return E, back
