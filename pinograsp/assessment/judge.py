@@ -12,7 +12,7 @@ The load is the task's wrench times the factor of the weight, at the centre of m
 keep the torque that they have in the planned grasp, tau = S^T sum_i J_i^T f_i: planned forces go along with their pads
 and are scaled until |tau| is that of the plan (of several drivers the combination that is kept turns with the pads).
 What is left of every inequality of the balance is the margin, in N: negative if the object slips, -inf if there is no
-contact or if no forces balance the load however large they are.
+contact or if no forces balance the load however large they are, inf if friction locks the fingers.
 
 Joint limits, reserves and the directions of approach are not asked for. A footprint that leaves the allowed part of
 the surface is counted, and holds all the same.
