@@ -336,6 +336,13 @@ def test_command_line(
     code, output = run("--grasp", "3")
     assert code == 2
     assert "--grasp: there are 2 grasps, no number 3" in output
+    code, output = run("--film", "hold.mp4")
+    assert code == 2
+    assert "hold.mp4: a film is a GIF" in output
+    assert "grasps hold" not in output  # nothing was simulated for it
+    code, output = run("--spin", "inf")
+    assert code == 2
+    assert "options.spin: must be at least 0 and finite, not inf" in output
 
 
 def _plain(data: Any) -> Any:

@@ -320,6 +320,15 @@ def test_unknown_names_are_refused(name: str, words: str, setup: Setup) -> None:
         result.pareto(("U", name))
 
 
+def test_what_is_no_name_is_refused(setup: Setup) -> None:
+    result = result_of(setup, grasp(0, walls=0.01))
+    for by in (None, 3):
+        with pytest.raises(InputError, match="the name of a criterion is wanted"):
+            result.ranked(by=by)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"criteria: a list of names is wanted, not 'clearance'. Give \['clearance'\]"):
+        result.pareto("clearance")
+
+
 # The Pareto front.
 
 

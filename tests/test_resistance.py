@@ -108,6 +108,31 @@ def test_a_load_that_is_not_balanced() -> None:
     assert (opposed(least=TAU).multiples(np.zeros(6), FORCES) == 0.0).all()
 
 
+def test_fingers_that_friction_locks() -> None:
+    """Drives feel f_n - 4 f_z: f_n = 4 f_z may grow for ever, while f_z = -mu f_n leaves f_n = tau / 2 / (1 + 4 mu)."""
+    problem = locking(np.array([0.0, 0.0, 4.0]))
+    found = problem.multiples(np.zeros(6), np.vstack([FORCES[2], -FORCES[2], FORCES[0]]))
+    np.testing.assert_allclose(found, [MU * TAU / (1.0 + 4.0 * MU), math.inf, TAU], rtol=1e-6)
+
+
+def test_nothing_bounds_the_margin_of_what_no_drive_feels() -> None:
+    assert locking(X, side=1.0).margin(np.zeros(6)) == math.inf
+
+
+def locking(felt: Any, side: float = 0.0) -> BalanceProblem:
+    """Return two points on the x axis without limits of force, whose drives feel f_n less something.
+
+    Args:
+        felt: what is subtracted from the drive, per unit of force, shape (3,).
+        side: 1 to turn it round at the other contact.
+    """
+    points = np.array([-R * X, R * X])
+    normals = np.array([X, -X])
+    drive = normals - np.array([felt, (1.0 - 2.0 * side) * np.asarray(felt)])
+    at = ContactPoints(np.arange(2), points, normals, np.zeros(2), np.column_stack([drive, np.zeros(2)]))
+    return BalanceProblem(at, TAU, Limits(MU, 0.0, math.inf), np.zeros(3), R)
+
+
 def test_margin() -> None:
     """Nothing to carry: s = mu tau / 2 at both contacts, or what is left to f_max. At the largest load it is 0."""
     assert opposed().margin(np.zeros(6)) == pytest.approx(MU * TAU / 2, rel=1e-6)

@@ -194,8 +194,19 @@ def test_a_figure_that_is_left_out_or_added(data: dict[str, Any], reread: Reread
     less = verify(reread(sealed(changed(data, path, figures[1:]))))
     assert {difference.what for difference in less} >= {f"certificate.figures.{figures[0]['name']}.value"}
     assert {difference.stated for difference in less} == {None}
-    more = verify(reread(sealed(changed(data, path, [*figures, figures[0] | {"name": "beauty"}]))))
-    assert {difference.recomputed for difference in more} == {None}
+    for more in (figures[0] | {"name": "beauty"}, figures[0]):
+        found = verify(reread(sealed(changed(data, path, [more, *figures]))))
+        assert found
+        assert {difference.recomputed for difference in found} == {None}
+
+
+def test_a_figure_in_front_of_another_one_of_its_name(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    """The false one is what a look-up by name finds."""
+    figures = data["grasps"][0]["certificate"]["figures"]
+    praised = figures[0] | {"value": 1.0}
+    result = reread(sealed(changed(data, ("grasps", 0, "certificate", "figures"), [praised, *figures])))
+    assert result.grasps[0].certificate[figures[0]["name"]].value == 1.0
+    assert f"certificate.figures.{figures[0]['name']}.value" in {difference.what for difference in verify(result)}
 
 
 def test_a_refuted_grasp_differs_even_if_it_says_so(result: Result, verifier: Verifier, quick: None) -> None:
@@ -269,6 +280,9 @@ def test_what_is_said_of_the_whole_counts(
 def test_the_order_counts(data: dict[str, Any], reread: Reread, quick: None) -> None:
     swapped = sealed(data | {"grasps": [*data["grasps"][1::-1], *data["grasps"][2:]]})
     assert verify(reread(swapped)) == (Difference(2, "place in the list", 2, 1),)
+    ends = sealed(data | {"grasps": data["grasps"][::-1]})
+    assert len(data["grasps"]) == 3
+    assert verify(reread(ends)) == (Difference(1, "place in the list", 1, 3), Difference(3, "place in the list", 3, 1))
 
 
 def test_figures_order_the_grasps_of_a_tier(result: Result, quick: None) -> None:

@@ -216,6 +216,19 @@ def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: p
             assert least == pytest.approx(figure.value, abs=1e-9)
 
 
+def test_a_contact_within_the_reserve_is_said_to_be_that(
+    gen3: RobotModel, glovebox: SceneDescription, grasp: pinograsp.Grasp
+) -> None:
+    """It is where pad and object touch, and not moved away from the rim to where they do not."""
+    found = grasp.certificate["pad rim"].value
+    assert found < 0.00999
+    scene = changed(glovebox, "tasks", reserve={"rim": 0.00999})
+    with Planner(gen3, scene, workers=1) as planner:
+        check = planner.check(grasp.joints, "sphere")
+    [refuted] = check.certificate.refuted_by
+    assert (refuted.name, refuted.value) == ("pad rim", pytest.approx(found, abs=1e-9))
+
+
 def test_a_configuration_that_is_no_grasp_says_why(planner: Planner, grasp: pinograsp.Grasp) -> None:
     into_wall = dict(grasp.joints) | {next(iter(grasp.joints)): 2.0}
     check = planner.check(into_wall, "sphere")

@@ -6,13 +6,14 @@ What comes of it is judged by the independent verification, at the object's fina
     contact      pads and object touch and are tangent, on the pads, as a certificate has it
     clearance    nothing but pads touches the object, and the robot neither walls, obstacles nor itself: distances are
                  above zero. Margins are not asked for any more: errors are what they are there for
-    balance      some contact forces within friction, spin and force limits balance the load at the planned squeeze
+    balance      some contact forces within friction and spin limits (of hands of several drivers f_max, too) balance
+                 the load at the planned squeeze
 
 The load is the task's wrench times the factor of the weight, at the centre of mass where it really is. The drivers
 keep the torque that they have in the planned grasp, tau = S^T sum_i J_i^T f_i: planned forces go along with their pads
 and are scaled until |tau| is that of the plan (of several drivers the combination that is kept turns with the pads).
 What is left of every inequality of the balance is the margin, in N: negative if the object slips, -inf if there is no
-contact or if no forces balance the load however large they are.
+contact or if no forces balance the load however large they are, inf if friction locks the fingers.
 
 Joint limits, reserves and the directions of approach are not asked for. A footprint that leaves the allowed part of
 the surface is counted, and holds all the same.

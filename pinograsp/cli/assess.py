@@ -161,7 +161,7 @@ def _worst(found: Assessment) -> str:
     worst = found.worst
     assert worst is not None
     draw, verdict = worst.errors, worst.verdict
-    balance = f"{verdict.margin:.3g} N to spare" if math.isfinite(verdict.margin) else "nothing balances the load"
+    balance = "nothing balances the load" if verdict.margin == -math.inf else f"{verdict.margin:.3g} N to spare"
     outcome = "holds" if verdict.holds else f"fails, {verdict.reason}"
     vectors = (
         ("position", 1e3 * draw.position, "mm"),

@@ -18,6 +18,7 @@ from rich.table import Table
 
 from ..errors import InputError
 from ..hold import HoldOptions, HoldOutcome, HoldProgress, hold_test, in_order, write_film, write_mjcf
+from ..hold.film import film_file
 from ..results import Grasp, read_json
 from .console import say
 
@@ -43,6 +44,8 @@ def hold_command(
     """
     console = Console()
     options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    if film is not None:
+        film_file(film)  # before the work, not after it
     grasps, first = _chosen(file, best, grasp)
     outcomes = _tested(grasps, first, options, workers, console)
     if as_json:

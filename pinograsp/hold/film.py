@@ -48,9 +48,7 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
         InputError: as `hold_test`, the file's name does not end in .gif, it cannot be written, or nothing can draw on
             this machine.
     """
-    file = Path(file)
-    if file.suffix.lower() != ".gif":
-        raise InputError("a film is a GIF", file=file, remedy="Give a name that ends in .gif")
+    file = film_file(file)
     options = options or HoldOptions()
     model = HandAndObject(setup_of(grasp), options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
@@ -62,6 +60,18 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
     finally:
         camera.close()
     write_whole(file, camera.film())
+
+
+def film_file(file: Path | str) -> Path:
+    """Return where a film is to be written.
+
+    Raises:
+        InputError: the name does not end in .gif.
+    """
+    file = Path(file)
+    if file.suffix.lower() != ".gif":
+        raise InputError("a film is a GIF", file=file, remedy="Give a name that ends in .gif")
+    return file
 
 
 class _Camera:

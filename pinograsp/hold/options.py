@@ -43,7 +43,7 @@ class HoldOptions:
                 raise InputError(f"must be positive, not {getattr(self, name)}", key=f"options.{name}")
         for name in ("acceleration", "spin"):
             if not 0.0 <= getattr(self, name) < math.inf:
-                raise InputError(f"must not be negative, not {getattr(self, name)}", key=f"options.{name}")
+                raise InputError(f"must be at least 0 and finite, not {getattr(self, name)}", key=f"options.{name}")
         if self.friction is not None and not 0.0 < self.friction < math.inf:
             raise InputError(f"must be positive, not {self.friction}", key="options.friction")
         if self.control not in ("auto", "torque", "position"):

@@ -25,7 +25,7 @@ def graded(grasp: Grasp, verifier: Verifier) -> Grasp:
 def all_graded(grasps: Sequence[Grasp], model: TaskModel, workers: Workers) -> tuple[tuple[Grasp, ...], bool]:
     """Return grasps with the figures of their resistance, in the default order, and whether nothing interrupted it.
 
-    Grasps that an interrupt, or a worker that died, has left without figures come last of those with equal U.
+    Grasps that an interrupt, or a worker that died, has left without figures are worse in these than all others.
 
     Args:
         grasps: distinct ones, with valid certificates.

@@ -104,14 +104,15 @@ def _synergies(robot: RobotModel, joints: Mapping[str, float]) -> dict[str, floa
 def _touching(model: TaskModel, posture: Array) -> State:
     """Return the state of a posture with contacts where pads and object are nearest to touching."""
     problem = GraspProblem(model, tuple(range(len(model.desired_points))))
-    size = model.robot.posture_size
-    x = np.concatenate([posture, 0.5 * (problem.lower + problem.upper)[size:]])
+    # The whole pads: whether contacts keep a reserve from the rims is for the check to say.
+    size, (low, high) = model.robot.posture_size, model.robot.parameter_limits.T
+    x = np.concatenate([posture, 0.5 * (low + high)])
     problem = GraspProblem(model, nearest_assignment(model, problem.state(x)))
     for _ in range(STEPS):
         residual = problem.projection_residual(x, TOWARDS_DESIRED, 0.0)
         J = residual.jacobian[:, size:]
         step = np.linalg.lstsq(J, -residual.values, rcond=1e-9)[0]
-        moved = np.clip(x[size:] + step, problem.lower[size:], problem.upper[size:])
+        moved = np.clip(x[size:] + step, low, high)
         done = np.abs(moved - x[size:]).max() < 1e-12
         x = np.concatenate([posture, moved])
         if done:

@@ -158,8 +158,10 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         further: names that the caller knows besides, for the remedy.
 
     Raises:
-        InputError: there is none of this name.
+        InputError: there is none of this name, or it is no name.
     """
+    if not isinstance(name, str):
+        raise InputError(f"the name of a criterion is wanted, not {name!r}")
     known = BY_NAME.get(ALIASES.get(name, name))
     if known:
         return known

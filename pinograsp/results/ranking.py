@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..errors import InputError
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Grasp
 
@@ -95,6 +96,8 @@ def pareto_front(grasps: Sequence[Grasp], criteria: Sequence[str] = FRONT) -> tu
     Raises:
         InputError: there is no such criterion or figure.
     """
+    if isinstance(criteria, str):  # a sequence, too, but of letters
+        raise InputError(f"a list of names is wanted, not {criteria!r}", key="criteria", remedy=f"Give [{criteria!r}]")
     default = ordered(grasps)
     if not default or not criteria:
         return default

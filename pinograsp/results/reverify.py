@@ -93,12 +93,13 @@ def _of_the_whole(result: Result) -> Iterator[Difference]:
 
 
 def _of_the_order(result: Result) -> Iterator[Difference]:
-    """Yield the grasps that stand behind one that they should stand before.
+    """Yield, of every two neighbours that stand the wrong way round, the one that is not in its place.
 
     U and figures are the stated ones: they are the recomputed ones, but for rounding errors, or differ themselves.
     """
     places = np.argsort(default_order(result.grasps))
     for index in np.flatnonzero(np.diff(places) < 0) + 1:
+        index -= int(places[index] == index)
         yield Difference(int(index) + 1, "place in the list", int(index) + 1, int(places[index]) + 1)
 
 
@@ -163,7 +164,7 @@ def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(data, dict):
         parts = data.items()
     elif isinstance(data, list):
-        parts = {_label(part, index): part for index, part in enumerate(data)}.items()
+        parts = _labelled(data).items()
     else:
         yield key, data
         return
@@ -171,8 +172,13 @@ def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
         yield from _leaves(part, f"{key}.{name}" if key else str(name))
 
 
-def _label(part: Any, index: int) -> str:
-    return str(part.get("name") or part.get("pad") or index) if isinstance(part, dict) else str(index)
+def _labelled(parts: list[Any]) -> dict[str, Any]:
+    """Return parts by name, pad or index; a name that another one had before gets the index, so that none is lost."""
+    found: dict[str, Any] = {}
+    for index, part in enumerate(parts):
+        label = str(part.get("name") or part.get("pad") or index) if isinstance(part, dict) else str(index)
+        found[label if label not in found else f"{label} ({index})"] = part
+    return found
 
 
 def _differences(number: int | None, stated: dict[str, Any], recomputed: dict[str, Any]) -> Iterator[Difference]:

@@ -43,6 +43,7 @@ _RANK = 1e-7
 """Relative size below which a singular value of E counts as zero."""
 _TOLERANCE = 1e-9
 _SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+_UNBOUNDED = (clarabel.SolverStatus.DualInfeasible, clarabel.SolverStatus.AlmostDualInfeasible)
 _IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible)
 
 
@@ -122,7 +123,8 @@ class BalanceProblem:
     def multiples(self, wrench: Array, directions: Array) -> Array:
         """Return by how much of each direction the wrench may grow, shape (directions,).
 
-        It is 0 where the wrench alone is not balanced, and not a number where the solver fails.
+        It is 0 where the wrench alone is not balanced, infinite where nothing bounds it (fingers that friction locks),
+        and not a number where the solver fails.
 
         Args:
             wrench: w, force and torque about the centre of mass, N and N m, shape (6,).
@@ -139,6 +141,8 @@ class BalanceProblem:
 
     def margin(self, wrench: Array) -> float:
         """Return what is left in every inequality when the wrench is balanced, N; negative if it cannot be.
+
+        It is infinite where friction locks the fingers, and not a number where the solver fails.
 
         Args:
             wrench: force and torque about the centre of mass, N and N m, shape (6,).
@@ -235,7 +239,7 @@ class _Cones:
 def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive: bool) -> Array:
     """Return for each row of `growth` the largest a with E x + a g = load and C x + c - a h in the cones.
 
-    Not a number where the solver fails.
+    Infinite where nothing bounds it, not a number where the solver fails.
 
     Args:
         E: shape (r, n).
@@ -244,6 +248,7 @@ def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive:
         growth: g and h of each program, shape (programs, r + m).
         positive: whether a may not be negative.
     """
+    rows_of_growth = growth
     programs, (equations, n), more = len(growth), E.shape, int(positive)
     lines, others = cones.half_lines, len(cones.rows) - cones.half_lines
     block = np.concatenate([np.vstack([E, -cones.rows]), np.ones((equations + lines + others, 1))], axis=1)
@@ -270,8 +275,14 @@ def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive:
     for careful in (False, True):
         P, settings = sparse.csc_matrix((len(q), len(q))), _settings(careful)
         solution = clarabel.DefaultSolver(P, q, A, b, kinds, settings).solve()
+        if solution.status in _UNBOUNDED:
+            break
         if solution.status in _SOLVED:
             found = np.asarray(solution.x)[n :: n + 1]
             return np.maximum(found, 0.0) if positive else found
-    nothing = 0.0 if positive and solution.status in _IMPOSSIBLE else math.nan
-    return np.full(programs, nothing)
+    if positive and solution.status in _IMPOSSIBLE:
+        return np.zeros(programs)
+    if programs > 1:  # one that is unbounded, or fails, says nothing of the others
+        each = [_maximised(E, load, cones, one[None], positive=positive) for one in rows_of_growth]
+        return np.concatenate(each)
+    return np.array([math.inf if solution.status in _UNBOUNDED else math.nan])

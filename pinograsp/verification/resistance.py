@@ -14,9 +14,10 @@ J_j the hand's Jacobian at the corner j, S the synergies and mimic joints in S, 
     tau = S^T sum_i J_i^T f_i       and for the others   tau^T (S^T sum_j J_j^T f_j) = tau^T tau
 
 One driver keeps its torque exactly, and with it bounds all forces: f_max, a limit of the plan, is nothing that makes an
-object slip, neither in simulation nor in fact, and does not count. Several drivers, which hold positions rather than
-torques, share the squeeze anew: only the combination that is planned is kept, and f_max counts, since nothing else
-bounds what a finger bears. A hand whose drivers feel none of the planned forces keeps nothing.
+object slip, neither in simulation nor in fact, and does not count. With so much friction that fingers lock in a
+direction, a is infinite there, and others have the least. Several drivers, which hold positions rather than torques,
+share the squeeze anew: only the combination that is planned is kept, and f_max counts, since nothing else bounds what a
+finger bears. A hand whose drivers feel none of the planned forces keeps nothing.
 
 Limits of the figures. Pads and object are rigid and pressures act at the footprint's corners, which is exact for points
 and lines and close to it for areas; hand and arm do not yield; the object does not leave its contacts and touch
