@@ -134,12 +134,15 @@ def test_allowed_and_not_forbidden(glovebox: Any) -> None:
 
 
 def test_case_3_contacts_stay_in_the_band(gen3: Any) -> None:
-    """The paper's case 3: contacts at the border of the band, U just above 2 * 34^2 + V*."""
+    """The paper's case 3: lines of contact from the border of the band on, half a millimetre beyond the contact points.
+
+    So U is just above 2 * 34.5^2 + V*.
+    """
     scene = pinograsp.load_scene("glovebox_can")
     result = pinograsp.plan(gen3, scene, "can_region", starts=16, workers=1)
     assert result.reliable >= 13
     assert result.refuted == 0
-    assert 2314.17 < result.ranked("U")[0].cost.U < 2315
+    assert 2382.67 < result.ranked("U")[0].cost.U < 2384
     for grasp in result.grasps:
         assert grasp.certificate["contact region"].holds
         assert all(contact.point[2] - (-0.178) >= 0.034 for contact in grasp.contacts)

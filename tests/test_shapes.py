@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +18,7 @@ from pinograsp.collision.solids import distance_request, scene_body
 from pinograsp.descriptions import schema
 from pinograsp.descriptions.scene import Body
 from pinograsp.descriptions.shapes import SHAPES, Box, Cylinder, Length, ShapeDescription, Sphere
+from pinograsp.geometry.contact_faces import ContactFace, Ruling, Spot
 from pinograsp.geometry.shapes import SURFACES, surface_of
 from pinograsp.geometry.tessellation import Tessellation, refined, tessellation_of
 from pinograsp.kinematics.robot import RobotModel
@@ -66,6 +68,10 @@ class CapsuleSurface:
         curved[np.abs(points[:, 2]) < self._half, 2, 2] = 0.0
         return length - self._radius, normals, curved / norm[:, None, None]
 
+    def contact_face(self, point: Array) -> ContactFace:
+        beyond = abs(point[2]) > self._half
+        return Spot() if beyond else Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2])
+
     def extent(self, direction: Array) -> float:
         return float(self._radius * np.linalg.norm(direction) + self._half * abs(direction[2]))
 
@@ -94,6 +100,16 @@ class CapsuleGeometry:
     def inward(self, point: Array) -> Array:
         apart = self._from_axis(point)
         return np.asarray(-apart / np.linalg.norm(apart))
+
+    def face(self, point: Array) -> Array:
+        apart = self._from_axis(point)
+        on_surface = self._radius / np.linalg.norm(apart) * apart
+        if abs(point[2]) > self._top[2]:
+            return np.asarray(point - apart + on_surface)[None]
+        return np.array([on_surface - self._top, on_surface + self._top])
+
+    def edge(self, point: Array) -> float:
+        return math.inf
 
     def radius_about(self, point: Array) -> float:
         return self._radius + float(max(np.linalg.norm(point - end) for end in (self._top, -self._top)))

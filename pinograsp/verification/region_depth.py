@@ -16,6 +16,7 @@ cells stays below `CELLS`.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -27,6 +28,8 @@ RESOLUTION = 5e-7
 """m"""
 CELLS = 5_000
 """Most cells that are looked at together; beyond, the lower bounds as they are stand for the depth."""
+HALVINGS = 64
+"""So often cells are halved: a metre comes down to 0.3 nm. Bounds that are still apart then are so by rounding."""
 
 
 def least_depth(region: described.Region, vertices: Array) -> float:
@@ -36,12 +39,14 @@ def least_depth(region: described.Region, vertices: Array) -> float:
         return best
     cells = vertices[None] if len(vertices) == 2 else _fan(vertices)
     floor = best
-    while len(cells):
+    for halvings in itertools.count():
+        if not len(cells):
+            break
         lower, _ = _bounds(region, cells)
         best = min(best, float(_bounds(region, cells.mean(axis=1, keepdims=True))[0].min()))
         going = lower < best - RESOLUTION
         floor = min(floor, best, float(lower[~going].min(initial=math.inf)))
-        if 2 * np.count_nonzero(going) > CELLS:
+        if halvings == HALVINGS or 2 * np.count_nonzero(going) > CELLS:
             return min(floor, float(lower.min()))
         cells = _halved(region, cells[going])
     return floor
