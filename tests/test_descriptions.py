@@ -114,7 +114,7 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
     ("scene", "format: 1\n", "", "format", "name: glovebox", ["missing"]),
     ("scene", "    object: sphere\n", "", "tasks.sphere.object", "  sphere:", ["missing"]),
     ("scene", "{type: sphere, ", "{", "objects.sphere.shape.type", "shape:", ["missing"]),
-    ("robot", "{model: hard_finger}", "{model: soft_finger}", "pads[0].contact.torsion_radius", "soft", ["missing"]),
+    ("robot", "torsion_radius: 0.0022, ", "", "pads[0].contact.torsion_radius", "finger, torsional", ["missing"]),
     (
         "scene",
         "force_weight: 1.0",
