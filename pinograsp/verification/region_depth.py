@@ -28,8 +28,8 @@ RESOLUTION = 5e-7
 """m"""
 CELLS = 5_000
 """Most cells that are looked at together; beyond, the lower bounds as they are stand for the depth."""
-HALVINGS = 64
-"""So often cells are halved: a metre comes down to 0.3 nm. Bounds that are still apart then are so by rounding."""
+HALVINGS = 384
+"""So often cells are halved, every sixth time at their longest edge: a metre comes down to 0.3 nm. Bounds that are still apart then are so by rounding."""
 
 
 def least_depth(region: described.Region, vertices: Array) -> float:
@@ -48,7 +48,7 @@ def least_depth(region: described.Region, vertices: Array) -> float:
         floor = min(floor, best, float(lower[~going].min(initial=math.inf)))
         if halvings == HALVINGS or 2 * np.count_nonzero(going) > CELLS:
             return min(floor, float(lower.min()))
-        cells = _halved(region, cells[going])
+        cells = _halved(region, cells[going], longest=halvings % 6 == 5)
     return floor
 
 
@@ -123,10 +123,11 @@ def _fan(corners: Array) -> Array:
     return np.stack([first, corners[1:-1], corners[2:]], axis=1)
 
 
-def _halved(region: described.Region, cells: Array) -> Array:
-    """Return cells cut through the middle of the edges along which their depths are least certain.
+def _halved(region: described.Region, cells: Array, *, longest: bool) -> Array:
+    """Return cells cut through the middle of their longest edges, or of those along which depths are least certain.
 
-    Edges of equal depth stay whole that way: along a border of the region few cells are wanted.
+    Edges of equal depth stay whole the second way: along a border of the region few cells are wanted. But the first
+    way alone makes every cell small.
     """
     if cells.shape[1] == 2:
         middle = cells.mean(axis=1)
@@ -136,7 +137,8 @@ def _halved(region: described.Region, cells: Array) -> Array:
     lengths = np.linalg.norm(edges[:, :, 1] - edges[:, :, 0], axis=2)
     # Of two edges that are about as uncertain the shorter one.
     doubt = (upper - lower).reshape(-1, 3) * (1.0 - 0.1 * lengths / lengths.max(axis=1, keepdims=True))
-    order = (doubt.argmax(axis=1)[:, None] + np.arange(3)) % 3
+    chosen = lengths if longest else doubt
+    order = (chosen.argmax(axis=1)[:, None] + np.arange(3)) % 3
     a, b, c = np.take_along_axis(cells, order[:, :, None], axis=1).transpose(1, 0, 2)
     middle = 0.5 * (a + b)
     return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
