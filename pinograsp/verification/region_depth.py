@@ -29,7 +29,10 @@ RESOLUTION = 5e-7
 CELLS = 5_000
 """Most cells that are looked at together; beyond, the lower bounds as they are stand for the depth."""
 HALVINGS = 384
-"""So often cells are halved, every sixth time at their longest edge: a metre comes down to 0.3 nm. Bounds that are still apart then are so by rounding."""
+"""So often cells are halved, every sixth time at their longest edge: a metre comes down to 0.3 nm.
+
+Bounds that are still apart then are so by rounding.
+"""
 
 
 def least_depth(region: described.Region, vertices: Array) -> float:
