@@ -5,6 +5,7 @@ A search that finds nothing is not an error; it is a `Result` without grasps tha
 
 from __future__ import annotations
 
+import operator
 from pathlib import Path
 
 
@@ -47,6 +48,23 @@ class WorkerLostError(PinograspError):
 
 def _rebuild(problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None) -> InputError:
     return InputError(problem, file=file, line=line, key=key, remedy=remedy)
+
+
+def whole_number(name: str, number: int, least: int, most: int | None = None) -> int:
+    """Return a whole number, NumPy's too, that was given as the argument of a name.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    try:
+        whole = operator.index(number)
+    except TypeError:
+        raise InputError(f"must be a whole number, not {number!r}", key=name) from None
+    if whole < least:
+        raise InputError(f"must be at least {least}, not {whole}", key=name)
+    if most is not None and whole > most:
+        raise InputError(f"must be at most {most}, not {whole}", key=name)
+    return whole
 
 
 def close_names(name: str, known: list[str]) -> str:

@@ -14,10 +14,10 @@ from test_verification import FINGERS, OPENING, ROOM, Case, names, scene_with
 
 from pinograsp.descriptions import SceneDescription, load_robot_description
 from pinograsp.errors import InputError
-from pinograsp.verification import Verifier
+from pinograsp.verification import Verifier, balance
 from pinograsp.verification.balance import SHARE, BalanceProblem, ContactPoints, Limits
 from pinograsp.verification.jacobians import rate_of_twist
-from pinograsp.verification.resistance import Hold, resistance_figures
+from pinograsp.verification.resistance import MOST, Hold, resistance_figures
 
 Array = NDArray[np.float64]
 R = 0.04
@@ -45,6 +45,39 @@ def opposed(
     contact = np.repeat([0, 1], len(ends))
     at = ContactPoints(contact, points, normals, np.full(len(points), e), np.column_stack([normals, 0 * contact]))
     return BalanceProblem(at, TAU, Limits(mu, least, most), np.array(center), R)
+
+
+# ---- where the solver gives up
+
+
+def test_a_wrench_that_the_solver_gives_up_on_is_answered_by_one_next_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, wrench, solve = opposed(0.01), np.array([0.0, 0.0, -2.0, 0.0, 0.0, 0.0]), balance._maximised
+    margin, multiples = problem.margin(wrench), problem.multiples(wrench, FORCES)
+    given_up: list[int] = []
+
+    def gives_up(*arguments: Any, **options: Any) -> Array:
+        given_up.append(len(given_up))
+        found = solve(*arguments, **options)
+        return found if len(given_up) % 2 == 0 else np.full_like(found, math.nan)
+
+    monkeypatch.setattr(balance, "_maximised", gives_up)
+    assert problem.margin(wrench) == pytest.approx(margin, abs=1e-5)
+    np.testing.assert_allclose(problem.multiples(wrench, FORCES), multiples, atol=1e-5)
+    assert len(given_up) == 4
+    monkeypatch.setattr(balance, "_maximised", lambda *_, **__: np.full(1, math.nan))
+    assert math.isnan(problem.margin(wrench))
+
+
+def test_figures_are_finite_where_friction_locks_the_fingers_in_every_direction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A figure that is not finite would hold for nothing."""
+    monkeypatch.setattr(
+        BalanceProblem, "multiples", lambda self, wrench, directions: np.full(len(directions), math.inf)
+    )
+    for figure in resistance_figures(Hold(opposed(), np.zeros(6)), 0.2, 3.0):
+        assert figure.holds
+        assert figure.value == MOST
 
 
 # ---- by hand

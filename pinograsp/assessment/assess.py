@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
 from contextlib import closing
 from functools import partial
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, whole_number
 from ..execution import Workers, own_workers
 from ..results import Grasp
 from .errors import Draw, Errors, draws
@@ -51,9 +50,9 @@ def assess(
     """
     if errors is not None and not isinstance(errors, Errors):
         raise InputError(f"must be pinograsp.Errors, not {errors!r}", key="errors")
-    samples, seed = _whole("samples", samples, 1, MOST), _whole("seed", seed, 0)
+    samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0)
     if workers is not None:
-        _whole("workers", workers, 1)
+        whole_number("workers", workers, 1)
     judge = Judge(grasp)
     sizes = (errors or Errors()).for_task(judge.task.contact.friction)
     drawn = draws(sizes, samples, len(grasp.q_arm), seed)
@@ -93,16 +92,3 @@ def _judging(grasp: Grasp) -> Callable[[tuple[int, Draw]], tuple[int, Verdict]]:
 def _finding(grasp: Grasp) -> Callable[[str], Margin]:
     """Build, in a worker, what finds margins."""
     return partial(margin_of, Judge(grasp))
-
-
-def _whole(name: str, number: int, least: int, most: int | None = None) -> int:
-    """Return a whole number, NumPy's too, or refuse what is none or out of range."""
-    try:
-        whole = operator.index(number)
-    except TypeError:
-        raise InputError(f"must be a whole number, not {number!r}", key=name) from None
-    if whole < least:
-        raise InputError(f"must be at least {least}, not {whole}", key=name)
-    if most is not None and whole > most:
-        raise InputError(f"must be at most {most}, not {whole}", key=name)
-    return whole

@@ -22,7 +22,6 @@ the surface is counted, and holds all the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,9 +35,6 @@ from ..kinematics.robot import RobotModel
 from ..results import Grasp
 from ..verification import Certificate, Claim, Verifier
 from ..verification.balance import BalanceProblem
-from ..verification.contacts import Pads
-from ..verification.jacobians import rate_of_twist
-from ..verification.robot import read_robot
 from .closing import Closed, Closing, moved
 from .errors import Draw
 
@@ -52,8 +48,6 @@ CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
 """Why a grasp may fail, in the order in which the causes are looked for: the first one counts."""
 BALANCED = 1e-6
 """How much a margin may be below zero for the tolerance of the cone solver, N."""
-NUDGES = (1e-7, -1e-7, 1e-6, -1e-6)
-"""Changes of the load, in parts of it, that are tried where the cone solver gives up: on a few loads in a thousand."""
 _CLEARANCES = ("enclosure clearance", "obstacle clearance", "self clearance", "self collision")
 
 
@@ -105,10 +99,8 @@ class Judge:
         hand = np.concatenate([grasp.synergy, grasp.contact_parameters])
         surface = surface_of(self.body.shape)
         self.closing = Closing(self._robot, surface, grasp.q_arm, hand, self.T_world_object)
-        read = read_robot(robot)
-        self._kinematics = read.kinematics.mounted(mount)
-        self._rates = read.synergies.rates(self._kinematics.joints)
-        self._tau = float(np.linalg.norm(self._drive_torques(grasp.claim)))
+        self._as_planned = Verifier(robot, scene, self.setup.task)
+        self._tau = float(np.linalg.norm(self._as_planned.drive_torques(grasp.claim)))
 
     @property
     def no_errors(self) -> Draw:
@@ -142,17 +134,14 @@ class Judge:
         Args:
             directions: force and torque about the centre of mass, N and N m, not zero, shape (directions, 6).
         """
-        problem = self._problem(self.no_errors)
-        found = _nudged(lambda share: problem.multiples(share * self.task.wrench.vector, directions))
-        return np.nan_to_num(found)
+        return np.nan_to_num(self._problem(self.no_errors).multiples(self.task.wrench.vector, directions))
 
     def _problem(self, draw: Draw) -> BalanceProblem:
         closed = self._closed(draw)
         return self._verifier(closed.T_world_object, draw).hold(self._claim(closed)).problem
 
     def _margin(self, problem: BalanceProblem, weight: float) -> float:
-        load = weight * self.task.wrench.vector
-        margin = float(_nudged(lambda share: np.array(problem.margin(share * load))))
+        margin = problem.margin(weight * self.task.wrench.vector)
         return -math.inf if math.isnan(margin) else margin
 
     def _closed(self, draw: Draw) -> Closed:
@@ -166,17 +155,9 @@ class Judge:
         forces = np.einsum("nij,nj->ni", turned, planned.forces)
         joints = self._robot.joints_by_name(closed.posture)
         claim = Claim(joints, closed.points, forces, planned.spin_torques)
-        tau = float(np.linalg.norm(self._drive_torques(claim)))
+        tau = float(np.linalg.norm(self._as_planned.drive_torques(claim)))
         share = self._tau / tau if tau > 0.0 else 1.0
         return replace(claim, forces=share * forces, spin_torques=share * planned.spin_torques)
-
-    def _drive_torques(self, claim: Claim) -> Array:
-        """Return tau of the forces of a claim, N m (N), shape (synergies,)."""
-        poses = self._kinematics.poses(claim.joints)
-        normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
-        moments = np.cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
-        rates = [rate_of_twist(self._kinematics.twists(pad.link, poses), self._rates) for pad in self._pads]
-        return np.asarray(np.einsum("isk,ik->s", np.array(rates), np.column_stack([claim.forces, moments])))
 
     def _verifier(self, T_world_object: Array, draw: Draw) -> Verifier:
         """Return the verifier of the scene as it is with these errors."""
@@ -189,20 +170,6 @@ class Judge:
             objects={**scene.objects, self.task.object: body}, tasks={**scene.tasks, self.setup.task: task}
         )
         return Verifier(self.setup.robot, changed, name)
-
-
-def _nudged(solve: Callable[[float], Array]) -> Array:
-    """Return what is solved for the load, or for one next to it where the solver fails; not a number if it always does.
-
-    Args:
-        solve: the solution for a multiple of the load.
-    """
-    found = solve(1.0)
-    for nudge in NUDGES:
-        if not np.isnan(found).any():
-            break
-        found = solve(1.0 + nudge)
-    return found
 
 
 def _no_contact(certificate: Certificate) -> tuple[str | None, str]:

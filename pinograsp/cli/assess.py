@@ -17,16 +17,15 @@ from rich.table import Table
 from ..assessment import Assessment, Errors, Margin, assess
 from ..assessment.assess import SAMPLES
 from ..disk import write_whole
-from ..errors import InputError
-from ..results import Grasp, Result, read_json
+from ..results import Result, read_json
+from ..results.units import shown_in
+from .chosen import chosen_grasp
 from .console import say
 from .folders import make_folder
 
 INTERRUPTED = 130
 DEFAULT = Errors()
 GRASP_HELP = "Number of the grasp in the file's order, from 1."
-UNITS: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "rad": (math.degrees(1.0), "°"), "": (1.0, "")}
-"""What figures are multiplied with, and the unit that they have then."""
 
 
 def assess_command(
@@ -68,7 +67,7 @@ def assess_command(
         joint=math.radians(joint),
     )
     result = read_json(file)
-    chosen = _chosen(result, grasp, file)
+    chosen = chosen_grasp(result, grasp, file)
     if json_file is not None:
         make_folder(json_file.parent)  # before the work, not after it
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
@@ -85,14 +84,6 @@ def assess_command(
         say(console, f"written: {escape(str(json_file))}")
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
-
-
-def _chosen(result: Result, number: int, file: Path) -> Grasp:
-    count = len(result.grasps)
-    if not 1 <= number <= count:
-        there = f"there are {count}, numbered from 1" if count else "there is none"
-        raise InputError(f"no grasp {number}: {there}", file=file, key="--grasp")
-    return result.grasps[number - 1]
 
 
 def _report(found: Assessment, number: int, result: Result, console: Console) -> None:
@@ -144,7 +135,7 @@ def _margins(found: Assessment) -> Table:
 
 def _size(margin: Margin) -> str:
     """Return what a margin says, in the units of the command line."""
-    factor, unit = UNITS[margin.unit]
+    factor, unit = shown_in(margin.unit)
     size = f"{factor * margin.size:.3g} {unit}".rstrip()
     match margin.kind, margin.capped:
         case "friction", capped:

@@ -17,9 +17,10 @@ from rich.progress import Progress
 from rich.table import Table
 
 from ..errors import InputError
-from ..hold import HoldOptions, HoldOutcome, HoldProgress, hold_test, in_order, write_film, write_mjcf
+from ..hold import HoldOptions, HoldOutcome, HoldProgress, hold_test, write_film, write_mjcf
 from ..hold.film import film_file
 from ..results import Grasp, read_json
+from .chosen import chosen_grasp
 from .console import say
 
 NOT_HELD, INTERRUPTED = 1, 130
@@ -66,14 +67,12 @@ def hold_command(
 
 def _chosen(file: Path, best: int, number: int | None) -> tuple[Sequence[Grasp], int]:
     """Return the grasps to test and the number of the first one."""
-    grasps = in_order(read_json(file))
-    if not grasps:
+    result = read_json(file)
+    if number is not None:
+        return [chosen_grasp(result, number, file)], number
+    if not result.grasps:
         raise InputError("holds no grasp", file=file)
-    if number is None:
-        return grasps[:best], 1
-    if number > len(grasps):
-        raise InputError(f"there are {len(grasps)} grasps, no number {number}", file=file, key="--grasp")
-    return grasps[number - 1 : number], number
+    return result.grasps[:best], 1
 
 
 def _tested(

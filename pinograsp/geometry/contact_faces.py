@@ -7,10 +7,11 @@ A surface that bends in every direction has a spot, one that is ruled a straight
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, cross
 
 
 @dataclass(frozen=True)
@@ -39,16 +40,20 @@ class Flat:
     normal: Array
     """Outward unit normal, shape (3,)."""
 
+    @cached_property
     def inward(self) -> Array:
-        """Return the inward unit normals of the edges, edge i from corner i to the next, shape (k, 3)."""
-        along = np.roll(self.corners, -1, axis=0) - self.corners
-        across = np.cross(self.normal, along)
-        return np.asarray(across / np.linalg.norm(across, axis=1)[:, None])
+        """Inward unit normals of the edges, edge i from corner i to the next, shape (k, 3)."""
+        across = cross(self.normal, np.roll(self.corners, -1, axis=0) - self.corners)
+        return np.asarray(across / np.sqrt((across * across).sum(axis=1))[:, None])
+
+    @cached_property
+    def offsets(self) -> Array:
+        """Of the edges: inward normal . p on them, m, shape (k,)."""
+        return np.asarray((self.corners * self.inward).sum(axis=1))
 
     def room(self, points: Array) -> Array:
         """Return the distances of points from every edge, negative beyond it, m, shape (n, k)."""
-        inward = self.inward()
-        return np.asarray(points @ inward.T - (self.corners * inward).sum(axis=1))
+        return np.asarray(points @ self.inward.T - self.offsets)
 
 
 ContactFace = Spot | Ruling | Flat
@@ -65,7 +70,7 @@ def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
         case Flat():
             room = face.room(point[None])[0]
             nearest = int(room.argmin())
-            return float(room[nearest]), face.inward()[nearest]
+            return float(room[nearest]), face.inward[nearest]
     return float("inf"), np.zeros(3)
 
 
@@ -74,11 +79,11 @@ def clipped(first: Flat, second: Flat) -> Array:
 
     The polygons lie in one plane; what the second has in corners beyond it counts as projected on it.
     """
-    corners, room = first.corners, second.room
-    for edge in range(len(second.corners)):
+    corners = first.corners
+    for inward, offset in zip(second.inward, second.offsets, strict=True):
         if not len(corners):
             break
-        inside = room(corners)[:, edge]
+        inside = corners @ inward - offset
         kept = []
         for i in range(len(corners)):
             j = (i + 1) % len(corners)

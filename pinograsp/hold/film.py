@@ -177,14 +177,16 @@ def _context() -> Any:
     """
     wanted = os.environ.get("MUJOCO_GL", "").lower()
     backends = (wanted,) if wanted in _BACKENDS else _BACKENDS
+    reasons = []
     for name in backends:
         try:
             context = importlib.import_module(f"mujoco.{name}").GLContext(*_SIZE)
             context.make_current()
-        except Exception:
+        except Exception as error:  # each of them fails in its own way where its library or a display is missing
+            reasons.append(f"{name}: {type(error).__name__} {error}".splitlines()[0])
             continue
         return context
     raise InputError(
-        f"no film can be drawn on this machine: tried {', '.join(backends)}",
+        f"no film can be drawn on this machine ({'; '.join(reasons)})",
         remedy="Install EGL or OSMesa (libegl1, libosmesa6), or write the model with --mjcf and open it elsewhere",
     )

@@ -1,18 +1,14 @@
 """The hand: what the last arm joint carries, as the URDF says, and how its joints are driven.
 
 With one synergy sigma every joint of the hand follows one driver, q_j - q_j0 = c_j (q_d - q_d0), c_d = 1. Contact
-forces f on the object are held by the driver torque
-
-    tau = sum_j c_j sum_i (dp_i / dq_j)^T f_i + (spin torques alike)  =  S^T J^T f / S_d
-
-which is what a current-controlled gripper is told. With several synergies every joint is a servo of stiffness k,
-tau_j = k (q_r,j - q_j), which is told the reference q_r (3).
+forces f on the object are held by the driver torque S^T J^T f / S_d, which is what a current-controlled gripper is
+told. With several synergies every joint is a servo of stiffness k, tau_j = k (q_r,j - q_j), which is told the reference
+q_r (3).
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,8 +21,6 @@ from ..descriptions.pose import Pose
 from ..descriptions.urdf import RobotUrdf, mimics_of
 from ..descriptions.urdf_checks import number
 from ..errors import InputError
-from ..results import Contact
-from ..verification.kinematics import Poses
 
 _SLIDING, _TURNING = ("prismatic",), ("revolute", "continuous")
 
@@ -93,33 +87,6 @@ def factors(robot: RobotDescription, urdf: RobotUrdf) -> dict[str, float]:
         if mimic.leader in column:
             moved[joint] = mimic.multiplier * moved[mimic.leader]
     return moved
-
-
-def driver_torque(
-    links: Sequence[HandLink], poses: Poses, contacts: Sequence[Contact], moved: dict[str, float]
-) -> float:
-    """Return the torque (N m; N if the driver slides) that exerts the contact forces, S^T J^T f per unit of the driver.
-
-    Args:
-        links: of the hand.
-        poses: of the links in the world.
-        contacts: points, forces on the object and spin torques.
-        moved: c_j by joint.
-    """
-    by_name = {link.name: link for link in links}
-    torque = 0.0
-    for contact in contacts:
-        link: HandLink | None = by_name[contact.link]
-        while link is not None:
-            if link.joint is not None and link.joint.name in moved:
-                axis = poses[link.name][:3, :3] @ link.joint.axis
-                arm = contact.point - poses[link.name][:3, 3]
-                # The pad's outward normal is the inward one of the object.
-                spin = -contact.spin_torque * contact.normal
-                work = contact.force @ axis if link.joint.slides else np.cross(arm, contact.force) @ axis + spin @ axis
-                torque += moved[link.joint.name] * float(work)
-            link = None if link.parent is None else by_name[link.parent]
-    return torque
 
 
 def _end(joint: ET.Element, end: str) -> str:

@@ -21,11 +21,12 @@ from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..errors import InputError
 from ..results import Grasp, Setup
+from ..verification import Verifier
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
 from .drive import Drive, coupled, numbers, servos
-from .hand import HandLink, driver_torque, factors, hand_links
-from .objects import mass_of, object_body
+from .hand import HandLink, factors, hand_links
+from .objects import object_body, required_mass
 from .options import HoldOptions
 from .pads import pad_geom, torsional_friction
 from .pieces import link_pieces
@@ -89,11 +90,12 @@ class HandAndObject:
         self._robot = robot_for(setup.robot, setup.scene, setup.task)
         read = read_robot(setup.robot)
         self._kinematics = read.kinematics.mounted(setup.scene.mounting.matrix)
+        self._verifier = Verifier(setup.robot, setup.scene, setup.task)
         self._meshes, self._urdf = read.meshes, read.urdf
         self._links = hand_links(read.urdf, self._robot)
         self._task = setup.scene.task(setup.task)
         self._object = setup.scene.objects[self._task.object]
-        self._mass = mass_of(self._object, self._task)
+        self._mass = required_mass(self._object, self._task)
         self._body = object_body(self._task.object, self._object.shape)
         self._friction = self._task.contact.friction if options.friction is None else options.friction
         one = len(self._robot.hand.synergies) == 1
@@ -130,7 +132,7 @@ class HandAndObject:
         world, assets = ET.SubElement(root, "worldbody"), ET.SubElement(root, "asset")
         ET.SubElement(assets, "texture", _SKY)
         ET.SubElement(world, "light", pos=numbers(pose[:3, 3] + [0.3, -0.4, 0.8]), dir="-0.3 0.4 -0.8")
-        drive = self._drive(grasp, poses)
+        drive = self._drive(grasp)
         self._add_hand(world, assets, poses, drive, shown)
         self._add_object(world, pose)
         root.extend(drive.elements)
@@ -144,11 +146,12 @@ class HandAndObject:
             yields=self._servos,
         )
 
-    def _drive(self, grasp: Grasp, poses: Poses) -> Drive:
+    def _drive(self, grasp: Grasp) -> Drive:
         if self._servos:
             return servos(grasp, self._links, self._robot.stiffness.joint)
         moved = factors(self._robot, self._urdf)
-        return coupled(grasp, moved, driver_torque(self._links, poses, grasp.contacts, moved))
+        per_synergy = float(self._verifier.drive_torques(grasp.claim)[0])
+        return coupled(grasp, moved, per_synergy / self._robot.hand.synergies[0].column[next(iter(moved))])
 
     def _add_hand(self, world: ET.Element, assets: ET.Element, poses: Poses, drive: Drive, shown: bool) -> None:
         bodies: dict[str | None, ET.Element] = {None: world}

@@ -12,9 +12,7 @@ from ..descriptions import TaskDescription
 from ..descriptions.scene import ObjectDescription
 from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
 from ..errors import InputError
-
-GRAVITY = 9.80665
-"""Standard gravity, m/s^2."""
+from ..verification.resistance import mass_of
 
 
 class ObjectBody(NamedTuple):
@@ -58,14 +56,14 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     return BODIES[type(shape)](shape)
 
 
-def mass_of(body: ObjectDescription, task: TaskDescription) -> float:
-    """Return the mass of the object, kg: its own, or what the task's external force weighs on Earth.
+def required_mass(body: ObjectDescription, task: TaskDescription) -> float:
+    """Return the mass of the object, kg.
 
     Raises:
-        InputError: the object has no mass and the task no force.
+        InputError: the object has no mass and the task no force that would tell.
     """
-    mass = body.mass or float(np.linalg.norm(task.wrench.force)) / GRAVITY
-    if mass == 0.0:
+    mass = mass_of(body, task)
+    if mass is None:
         raise InputError(
             "is not given, and the task has no external force that would tell", key=f"objects.{task.object}.mass"
         )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, whole_number
 from ..execution import Workers, own_workers
 from ..results import Grasp, Result, Setup
 from .library import mujoco
@@ -61,8 +61,8 @@ def hold_test(
         InputError: MuJoCo is not installed, a grasp does not know its setup, a file of the robot is missing, the object
             has a shape that the hold test does not know, or neither mass nor weight.
     """
-    if best is not None and best < 1:
-        raise InputError(f"must be at least 1, not {best}", key="best")
+    if best is not None:
+        whole_number("best", best, 1)
     mujoco()
     options = options or HoldOptions()
     numbered = list(enumerate(in_order(grasps)[:best], 1))
@@ -82,10 +82,7 @@ def in_order(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
     """Return the grasps of a result, the best first; or what is given."""
     if isinstance(grasps, Grasp):
         return (grasps,)
-    if not isinstance(grasps, Result):
-        return tuple(grasps)
-    ranked: Callable[[], Sequence[Grasp]] | None = getattr(grasps, "ranked", None)
-    return grasps.grasps if ranked is None else tuple(ranked())
+    return grasps.grasps if isinstance(grasps, Result) else tuple(grasps)
 
 
 def setup_of(grasp: Grasp) -> Setup:

@@ -53,10 +53,7 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
     posture, given = _posture(model.robot, q)
     claim = claim_of(_touching(model, posture))
     claim = replace(claim, joints=claim.joints | given)
-    figures = verifier.check(claim).figures
-    if model.task.withstand is None:
-        figures = (*figures, *verifier.resistance(claim))
-    return ConfigurationCheck(Certificate(figures), verifier.clearances(claim.joints))
+    return ConfigurationCheck(verifier.certify(claim), verifier.clearances(claim.joints))
 
 
 def _posture(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -17,7 +16,7 @@ from ..database import BuildProgress, Database, Identity, cached_database
 from ..descriptions import SceneDescription
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
-from ..errors import InputError
+from ..errors import InputError, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import RobotModel
 from ..memo import remembered
@@ -69,7 +68,7 @@ class Planner:
         build_progress: Callable[[BuildProgress], None] | None = None,
     ) -> None:
         if workers is not None:
-            _whole("workers", workers, 1)
+            whole_number("workers", workers, 1)
         if executor is not None and not isinstance(executor, Executor):
             raise InputError("is no concurrent.futures.Executor", key="executor")
         if executor is not None and workers is not None:
@@ -119,7 +118,7 @@ class Planner:
             InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
                 another robot, enclosure or margin, or a number is out of range.
         """
-        starts, seed = _whole("starts", starts, 1), _whole("seed", seed, 0)
+        starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0)
         began = time.perf_counter()
         model = self._model(task)
         run = Run(Setup(self.robot.description, self.scene, task), self.robot.files, starts, check_task(model))
@@ -164,7 +163,7 @@ class Planner:
             InputError: as `plan`; at the first call of `next`.
         """
         if most is not None:
-            _whole("most", most, 1)
+            whole_number("most", most, 1)
         if deadline is not None and not deadline >= 0.0:  # nor not a number
             raise InputError(f"must be at least 0, not {deadline}", key="deadline")
         began = time.perf_counter()
@@ -258,17 +257,6 @@ def _indices(robot: RobotModel) -> dict[tuple[str, str, int, int], StartIndex]:
     """Return the place where the indices of a robot are kept, by identity and file of their database, as it is now."""
     del robot
     return {}
-
-
-def _whole(name: str, number: int, least: int) -> int:
-    """Return a whole number, NumPy's too, or refuse what is none or too small."""
-    try:
-        whole = operator.index(number)
-    except TypeError:
-        raise InputError(f"must be a whole number, not {number!r}", key=name) from None
-    if whole < least:
-        raise InputError(f"must be at least {least}, not {whole}", key=name)
-    return whole
 
 
 def _evaluate_once(model: TaskModel) -> None:

@@ -7,7 +7,7 @@ this decides how many starts succeed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
@@ -116,6 +116,20 @@ class Inside(Constraint, Projected, Protocol):
 
     def residual(self, state: State) -> Residual:
         return self.inside(state).above(self.least).scaled(-self.scale)
+
+    def largest_violation(self, state: State, unit: str, scale: float, where: Sequence[str]) -> Violation:
+        """Return by how much the row that is least far inside misses `least`.
+
+        Args:
+            state: where.
+            unit: of the violation, which weighs as much as millimetres.
+            scale: from the unit of `inside` to this one.
+            where: what each row is about.
+        """
+        above = self.inside(state).values - self.least
+        worst = int(above.argmin())
+        missing = max(0.0, -scale * float(above[worst]))
+        return Violation(self.name, missing, unit, where[worst], size=missing)
 
     def projection(self, state: State, weight: float) -> Residual:
         return self.inside(state).above(self.least).negative().scaled(weight * self.scale)

@@ -46,7 +46,7 @@ class Ray:
 
 def rays(state: State, pad: int) -> list[Ray]:
     """Return the rays of the contact of a pad, none where it touches at a point."""
-    patch, face = state.model.robot.pads[pad].patch, state.contact_face(pad)
+    patch, face = state.model.robot.pads[pad].patch, state.contact_faces[pad]
     if isinstance(patch, PlanePatch | LinePatch):
         if isinstance(face, Ruling):
             return _along(state, pad, face, _rectangle(patch))
@@ -200,7 +200,7 @@ def _of_line(state: State, pad: int, face: ContactFace, patch: CylinderPatch) ->
 
 def _within(face: Flat, point: Array, direction: Array) -> tuple[float, float]:
     """Return from where to where a straight line through a point is over a flat face, m along it."""
-    room, rates = face.room(point[None])[0], face.inward() @ direction
+    room, rates = face.room(point[None])[0], face.inward @ direction
     low = max((-r / s for r, s in zip(room, rates, strict=True) if s > 0.0), default=0.0)
     high = min((-r / s for r, s in zip(room, rates, strict=True) if s < 0.0), default=0.0)
     return min(low, 0.0), max(high, 0.0)

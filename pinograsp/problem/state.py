@@ -43,9 +43,10 @@ class State:
         """Signed distance, outward normal and Hessian of the object at the contact points."""
         return self.model.object_surface(self.contacts.points)
 
-    def contact_face(self, pad: int) -> ContactFace:
-        """Return the contact face of the object at the contact point of a pad, world frame."""
-        return self.model.contact_face(self.contacts.points[pad])
+    @cached_property
+    def contact_faces(self) -> tuple[ContactFace, ...]:
+        """Contact face of the object at every contact point, world frame."""
+        return tuple(self.model.contact_face(point) for point in self.contacts.points)
 
     @cached_property
     def distances(self) -> Distances:

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..mechanics import residual_gradient
 from ..problem import Evaluation, GraspProblem
+from ..problem.constraints.wrench_balance import wrench_balance
 
 STEPS = 4
 DONE = 1e-10
@@ -33,27 +33,16 @@ def polished(problem: GraspProblem, near: Evaluation, tolerance: float) -> Evalu
         near: of a point that keeps the constraints to the tolerance.
         tolerance: scaled violation that counts as none.
     """
-    x, best = near.x, near
+    balance, best = wrench_balance(problem.model), near
     for _ in range(STEPS):
-        values, jacobian = _equations(problem, best)
+        values, jacobian = best.equalities
+        if balance is not None:
+            unbalanced = balance.unbalanced(problem.state(best.x))
+            values, jacobian = np.append(values, unbalanced.values), np.vstack([jacobian, unbalanced.jacobian])
         if np.abs(values).max() <= DONE:
             break
-        best = problem.evaluate(_stepped(problem, x, values, jacobian))
-        x = best.x
+        best = problem.evaluate(_stepped(problem, best.x, values, jacobian))
     return best if best.violation <= max(tolerance, near.violation) else near
-
-
-def _equations(problem: GraspProblem, at: Evaluation) -> tuple[Array, Array]:
-    """Return the values of the equations and their Jacobian: the equalities, and balance where the task asks for it."""
-    values, jacobian = at.equalities
-    model = problem.model
-    if not model.task.balance_wrench:
-        return values, jacobian
-    state = problem.state(at.x)
-    weight = 1.0 / (float(np.linalg.norm(model.load.scaled)) or 1.0)
-    norm = weight * float(np.linalg.norm(state.statics.residual))
-    slope = weight * residual_gradient(state.statics, state.grasp_derivatives, model.contact_models)
-    return np.append(values, norm), np.vstack([jacobian, slope])
 
 
 def _stepped(problem: GraspProblem, x: Array, values: Array, jacobian: Array) -> Array:

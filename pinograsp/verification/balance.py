@@ -26,6 +26,7 @@ solved as one block-diagonal program: the maximum of the sum is the sum of the m
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -42,6 +43,8 @@ SHARE = 2e-3
 _RANK = 1e-7
 """Relative size below which a singular value of E counts as zero."""
 _TOLERANCE = 1e-9
+_NUDGES = (1e-7, -1e-7, 1e-6, -1e-6)
+"""Changes of a wrench, in parts of it, that are tried where the solver gives up: on a few wrenches in a thousand."""
 _SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 _UNBOUNDED = (clarabel.SolverStatus.DualInfeasible, clarabel.SolverStatus.AlmostDualInfeasible)
 _IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible)
@@ -130,6 +133,9 @@ class BalanceProblem:
             wrench: w, force and torque about the centre of mass, N and N m, shape (6,).
             directions: d, the same, not zero, shape (directions, 6).
         """
+        return _first_found(lambda share: self._multiples(share * wrench, directions))
+
+    def _multiples(self, wrench: Array, directions: Array) -> Array:
         load, along = self._sides(wrench, 1.0), self._sides(directions, 0.0)
         found = np.zeros(len(directions))
         going = self._in_reach(along) & self._in_reach(load[None])
@@ -147,12 +153,15 @@ class BalanceProblem:
         Args:
             wrench: force and torque about the centre of mass, N and N m, shape (6,).
         """
+        return float(_first_found(lambda share: self._margin(share * wrench))[0])
+
+    def _margin(self, wrench: Array) -> Array:
         load = self._sides(wrench, 1.0)
         if not self._in_reach(load[None])[0]:
-            return -math.inf
+            return np.array([-math.inf])
         E = self._ranges[0].T @ self._equations
         left = np.concatenate([np.zeros(len(E)), self._cones.heads])[None]
-        return float(_maximised(E, self._ranges[0].T @ load, self._cones, left, positive=False)[0])
+        return _maximised(E, self._ranges[0].T @ load, self._cones, left, positive=False)
 
     def _sides(self, wrenches: Array, drive: float) -> Array:
         """Return right-hand sides of E x = b for wrenches, shape (..., 6); `drive` is 1 to squeeze, 0 for a change."""
@@ -234,6 +243,22 @@ class _Cones:
             contacts,
             (*sizes.tolist(), *[4] * limited),
         )
+
+
+def _first_found(solve: Callable[[float], Array]) -> Array:
+    """Return what is solved for the wrench, or for one next to it where the solver gives up.
+
+    It is not a number where the solver always does.
+
+    Args:
+        solve: the solution for a multiple of the wrench.
+    """
+    found = solve(1.0)
+    for nudge in _NUDGES:
+        if not np.isnan(found).any():
+            break
+        found = np.where(np.isnan(found), solve(1.0 + nudge), found)
+    return found
 
 
 def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive: bool) -> Array:

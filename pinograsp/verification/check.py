@@ -23,7 +23,7 @@ from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
-from .resistance import Hold, hold_of, mass_of, resistance_figures
+from .resistance import Hold, drive_torques, hold_of, mass_of, resistance_figures
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
 from .standing_out import standing_out
@@ -83,6 +83,15 @@ class Verifier:
             return Certificate(_unknown(self._figures(self._rest())))
         return Certificate(tuple(self._figures(claim)))
 
+    def certify(self, claim: Claim) -> Certificate:
+        """Recompute every figure of a claim, those of its resistance too, whether or not the task asks for them.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        figures = self.check(claim).figures
+        return Certificate(figures if self._task.withstand is not None else (*figures, *self.resistance(claim)))
+
     def resistance(self, claim: Claim) -> tuple[Figure, ...]:
         """Compute how strongly the object may be accelerated, Q_force and Q_torque (see `resistance`).
 
@@ -107,13 +116,28 @@ class Verifier:
         self._require_complete(claim)
         return self._hold(claim, self._kinematics.poses(claim.joints))
 
+    def drive_torques(self, claim: Claim) -> Array:
+        """Return the torques with which the hand's drives exert the forces of a claim, S^T J^T f.
+
+        In the order of the synergies, N m (N) per unit of each, shape (synergies,).
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        self._require_complete(claim)
+        poses = self._kinematics.poses(claim.joints)
+        return drive_torques(claim, Pads.at(self._pads, poses), self._pad_rates(poses))
+
     def _hold(self, claim: Claim, poses: Poses) -> Hold:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
         areas = footprints(claim.points, inward, pads, self._target)
-        rates = [rate_of_twist(self._kinematics.twists(pad.link, poses), self._rates) for pad in self._pads]
         radius = self._target.radius_about(self._center_of_mass)
-        return hold_of(claim, pads, areas, rates, self._task, self._center_of_mass, radius)
+        return hold_of(claim, pads, areas, self._pad_rates(poses), self._task, self._center_of_mass, radius)
+
+    def _pad_rates(self, poses: Poses) -> list[Array]:
+        """Return, of each pad's link, the twist about the world's origin per unit of each synergy, (synergies, 6)."""
+        return [rate_of_twist(self._kinematics.twists(pad.link, poses), self._rates) for pad in self._pads]
 
     def derive(self, claim: Claim) -> Derived:
         """Recompute what a grasp reports besides its certificate.

@@ -47,6 +47,8 @@ ARM = 0.05
 """Arm at which the forces of Q_torque act, m."""
 CORNERS = 8
 """Most points of a footprint."""
+MOST = 1e4
+"""Largest value of the figures, m/s^2: where friction locks the fingers nothing bounds them."""
 STANDARD_GRAVITY = 9.80665
 _DIRECTIONS = np.vstack([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
 _NAMES = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -91,9 +93,8 @@ def hold_of(
         radius: of the ball about the centre of mass that holds the object, m.
     """
     normals = pads.nearest(claim.points)[1]
-    moments = cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
-    exerted = np.column_stack([claim.forces, moments])
-    torques = np.einsum("isk,ik->s", np.array(rates), exerted)
+    exerted = _exerted(claim, normals)
+    torques = drive_torques(claim, pads, rates)
     size = float(np.linalg.norm(torques))
     squeeze = torques / size if size > 0.0 else torques
     corners = [_corners(area, point) for area, point in zip(areas, claim.points, strict=True)]
@@ -112,6 +113,17 @@ def hold_of(
     return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
 
 
+def drive_torques(claim: Claim, pads: Pads, rates: Sequence[Array]) -> Array:
+    """Return tau = S^T sum_i J_i^T f_i, N m (N) per unit of each synergy, (synergies,); arguments as for `hold_of`."""
+    return np.asarray(np.einsum("isk,ik->s", np.array(rates), _exerted(claim, pads.nearest(claim.points)[1])))
+
+
+def _exerted(claim: Claim, normals: Array) -> Array:
+    """Return force and torque about the world's origin that each contact exerts on the object, shape (contacts, 6)."""
+    moments = cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
+    return np.column_stack([claim.forces, moments])
+
+
 def resistance_figures(hold: Hold, mass: float, least: float | None) -> tuple[Figure, ...]:
     """Return Q_force and Q_torque; where: the direction of the wrench that is withstood least.
 
@@ -123,7 +135,7 @@ def resistance_figures(hold: Hold, mass: float, least: float | None) -> tuple[Fi
     nothing = np.zeros((6, 3))
     forces = mass * np.hstack([_DIRECTIONS, nothing])
     torques = mass * ARM * np.hstack([nothing, _DIRECTIONS])
-    Q = hold.problem.multiples(hold.load, np.vstack([forces, torques])).reshape(2, 6)
+    Q = np.minimum(hold.problem.multiples(hold.load, np.vstack([forces, torques])), MOST).reshape(2, 6)
     limits = (-math.inf if least is None else least, -math.inf)
     return tuple(_figure(*given) for given in zip(("Q_force", "Q_torque"), Q, limits, strict=True))
 

@@ -11,7 +11,6 @@ from .clearance import Clearance
 from .contact_forces import ContactForces
 from .contact_gap import ContactGap
 from .contact_region import contact_region
-from .footprint_region import footprint_region
 from .joint_limits import joint_limits
 from .pad_tangency import PadTangency
 from .surface_edge import surface_edge
@@ -23,7 +22,6 @@ CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     ContactForces,
     wrench_balance,
     contact_region,
-    footprint_region,
     surface_edge,
     approach,
     joint_limits,

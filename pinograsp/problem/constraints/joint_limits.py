@@ -39,11 +39,7 @@ class JointLimits(Inside):
         return Residual(np.concatenate([upper[joints] - q, q - lower[joints]]), jacobian)
 
     def violations(self, state: State) -> list[Violation]:
-        above = self.inside(state).values - self.least
-        worst = int(above.argmin())
-        name = self._names[worst % len(self._names)]
-        beyond = max(0.0, -math.degrees(above[worst]))
-        return [Violation("joint limits", beyond, "deg", name, size=beyond)]
+        return [self.largest_violation(state, "deg", math.degrees(1.0), [*self._names, *self._names])]
 
 
 def joint_limits(model: TaskModel) -> JointLimits | None:

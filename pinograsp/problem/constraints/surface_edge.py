@@ -35,16 +35,13 @@ class SurfaceEdge(Inside):
     def inside(self, state: State) -> Residual:
         values, jacobian = np.full(len(self.rows), self._far), np.zeros((len(self.rows), len(state.x)))
         for pad, (point, d_point) in enumerate(zip(state.contacts.points, state.contacts.d_points, strict=True)):
-            distance, gradient = edge_distance(state.contact_face(pad), point)
+            distance, gradient = edge_distance(state.contact_faces[pad], point)
             if distance < self._far:
                 values[pad], jacobian[pad] = distance, gradient @ d_point
         return Residual(values, jacobian)
 
     def violations(self, state: State) -> list[Violation]:
-        values = self.inside(state).values
-        worst = int(values.argmin())
-        missing = max(0.0, 1e3 * float(self.least - values[worst]))
-        return [Violation("surface edge", missing, "mm", self._pads[worst], size=missing)]
+        return [self.largest_violation(state, "mm", 1e3, self._pads)]
 
 
 def surface_edge(model: TaskModel) -> SurfaceEdge | None:
