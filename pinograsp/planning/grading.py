@@ -7,11 +7,12 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 
+from ..descriptions import SceneDescription
 from ..execution import Workers
+from ..kinematics.robot import RobotModel
 from ..problem import TaskModel
 from ..results import Grasp, ordered
 from ..verification import Certificate, Claim, Figure, Verifier
-from .attempt import verifier_of
 
 Numbered = tuple[int, Claim]
 Graded = tuple[int, tuple[Figure, ...]]
@@ -35,7 +36,8 @@ def all_graded(grasps: Sequence[Grasp], model: TaskModel, workers: Workers) -> t
     items = [(number, grasp.claim) for number, grasp in enumerate(grasps) if not _has_grade(grasp)]
     found, whole = dict[int, tuple[Figure, ...]](), True
     try:
-        with closing(workers.run(partial(_grader, model), items, lost=_lost)) as running:
+        prepare = partial(_grader, model.robot.unmounted, model.scene, model.task_name)
+        with closing(workers.run(prepare, items, lost=_lost)) as running:
             found.update(running)
     except KeyboardInterrupt:
         whole = False
@@ -50,9 +52,9 @@ def _with(grasp: Grasp, figures: tuple[Figure, ...]) -> Grasp:
     return replace(grasp, certificate=Certificate((*grasp.certificate.figures, *figures)))
 
 
-def _grader(model: TaskModel) -> Callable[[Numbered], Graded]:
-    """Build, in a worker, what grades claims."""
-    verifier = verifier_of(model)
+def _grader(robot: RobotModel, scene: SceneDescription, task: str) -> Callable[[Numbered], Graded]:
+    """Build, in a worker, what grades claims: the robot is known there, and no model of the task is needed."""
+    verifier = Verifier(robot.description, scene, task)
     return lambda item: (item[0], verifier.resistance(item[1]))
 
 

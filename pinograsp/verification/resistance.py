@@ -94,7 +94,7 @@ def hold_of(
     """
     normals = pads.nearest(claim.points)[1]
     exerted = _exerted(claim, normals)
-    torques = drive_torques(claim, pads, rates)
+    torques = _felt(exerted, rates)
     size = float(np.linalg.norm(torques))
     squeeze = torques / size if size > 0.0 else torques
     corners = [_corners(area, point) for area, point in zip(areas, claim.points, strict=True)]
@@ -115,13 +115,18 @@ def hold_of(
 
 def drive_torques(claim: Claim, pads: Pads, rates: Sequence[Array]) -> Array:
     """Return tau = S^T sum_i J_i^T f_i, N m (N) per unit of each synergy, (synergies,); arguments as for `hold_of`."""
-    return np.asarray(np.einsum("isk,ik->s", np.array(rates), _exerted(claim, pads.nearest(claim.points)[1])))
+    return _felt(_exerted(claim, pads.nearest(claim.points)[1]), rates)
 
 
 def _exerted(claim: Claim, normals: Array) -> Array:
     """Return force and torque about the world's origin that each contact exerts on the object, shape (contacts, 6)."""
     moments = cross(claim.points, claim.forces) + claim.spin_torques[:, None] * normals
     return np.column_stack([claim.forces, moments])
+
+
+def _felt(exerted: Array, rates: Sequence[Array]) -> Array:
+    """Return what the drives feel of forces and torques about the world's origin, shape (synergies,)."""
+    return np.asarray(np.einsum("isk,ik->s", np.array(rates), exerted))
 
 
 def resistance_figures(hold: Hold, mass: float, least: float | None) -> tuple[Figure, ...]:
