@@ -18,7 +18,7 @@ from .descriptions import load_scene, shipped_robots, shipped_scenes
 from .descriptions.pose import Pose
 from .errors import InputError, PinograspError, WorkerLostError
 from .hold import HoldOptions, HoldOutcome, hold_test
-from .kinematics.robot import RobotModel
+from .kinematics.robot import Robot
 from .planning import ConfigurationCheck, Planner, Progress, plan
 from .results import Contact, Cost, Difference, Different, Grasp, Result, Setup, read_json, verify, write_json
 from .solve import SolverOptions
@@ -27,13 +27,13 @@ from .verification import Certificate, Figure
 __version__ = _version("pinograsp")
 
 
-def load_robot(name: str | _Path) -> RobotModel:
+def load_robot(name: str | _Path) -> Robot:
     """Read a robot file with its URDF, given by path, by folder or by the name of a shipped robot.
 
     Raises:
         InputError: a file is missing or wrong; the message names it, the key and the remedy.
     """
-    return RobotModel(_load_robot_description(name))
+    return Robot(_load_robot_description(name))
 
 
 __all__ = [
@@ -59,7 +59,7 @@ __all__ = [
     "Pose",
     "Progress",
     "Result",
-    "RobotModel",
+    "Robot",
     "Setup",
     "SolverOptions",
     "WorkerLostError",

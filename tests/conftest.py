@@ -20,9 +20,9 @@ from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
 from pinograsp.collision.solids import link_bodies
 from pinograsp.collision.world import Body, Solid
-from pinograsp.descriptions import RobotDescription, SceneDescription
+from pinograsp.descriptions import RobotDescription, Scene
 from pinograsp.descriptions.robot import CollisionDescription
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import TaskModel
 
 Array = NDArray[np.float64]
@@ -40,19 +40,19 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def gen3() -> RobotModel:
+def gen3() -> Robot:
     """The shipped arm and gripper, root link at the world's origin."""
     return pinograsp.load_robot("gen3_2f85")
 
 
 @pytest.fixture(scope="session")
-def gen3_hulls(gen3: RobotModel) -> RobotModel:
+def gen3_hulls(gen3: Robot) -> Robot:
     """The shipped robot with one convex hull for each collision mesh."""
-    return RobotModel(gen3.description.model_copy(update={"collision": CollisionDescription(pieces=1)}))
+    return Robot(gen3.description.model_copy(update={"collision": CollisionDescription(pieces=1)}))
 
 
 @pytest.fixture(scope="session")
-def paper() -> RobotModel:
+def paper() -> Robot:
     """The arm with the hand of the paper: composed of two URDFs, one contact parameter a finger."""
     return pinograsp.load_robot("gen3_2f85_paper")
 
@@ -68,7 +68,7 @@ class PlacedSolid(NamedTuple):
     radius: float
 
 
-def link_solids(robot: RobotModel) -> list[PlacedSolid]:
+def link_solids(robot: Robot) -> list[PlacedSolid]:
     """Return the solids of all links in the frames of their joints."""
     return [placed(body, solid) for body in link_bodies(robot) for solid in body.solids]
 
@@ -79,7 +79,7 @@ def placed(body: Body, solid: Solid) -> PlacedSolid:
     return PlacedSolid(body.name, body.joint, body.pose @ solid.placement, solid.shape, center, solid.radius)
 
 
-def collision_model(robot: RobotModel, scene: SceneDescription, task: str) -> CollisionModel:
+def collision_model(robot: Robot, scene: Scene, task: str) -> CollisionModel:
     """Return the collision model of a mounted robot at a task."""
     return CollisionModel(robot, task_world(robot, scene, scene.task(task)))
 
@@ -93,17 +93,17 @@ def solids_of(model: CollisionModel) -> list[PlacedSolid]:
     ]
 
 
-def with_patches(robot: RobotModel, *patches: dict[str, Any]) -> RobotModel:
+def with_patches(robot: Robot, *patches: dict[str, Any]) -> Robot:
     """Return the robot with other surfaces of its pads, one after the other; keys that are not given stay."""
     content = robot.description.model_dump()
     for pad, patch in zip(content["pads"], patches, strict=True):
         frame = {key: pad["patch"][key] for key in ("origin", "normal", "x_axis", "u")}
         pad["patch"] = frame | patch
-    return RobotModel(RobotDescription.model_validate(content))
+    return Robot(RobotDescription.model_validate(content))
 
 
 @pytest.fixture(scope="session")
-def curved_gen3(gen3: RobotModel) -> RobotModel:
+def curved_gen3(gen3: Robot) -> Robot:
     """The shipped robot with a cylinder along one finger tip and a sphere on the other; both bulge by millimetres."""
     cylinder = {"type": "cylinder", "radius": 0.03, "origin": (0.0046, -0.0008, 0.032), "v": (-0.3, 0.35)}
     sphere = {"type": "sphere", "radius": 0.04, "origin": (-0.0146, 0.0, 0.032), "u": (-0.4, 0.45), "v": (-0.2, 0.25)}
@@ -111,17 +111,17 @@ def curved_gen3(gen3: RobotModel) -> RobotModel:
 
 
 @pytest.fixture(scope="session")
-def mixed_toy(toy: RobotModel) -> RobotModel:
+def mixed_toy(toy: Robot) -> Robot:
     """The toy with soft fingers: one contact parameter on the left, on a line, two on the right, on a sphere."""
     line = {"type": "line", "u": (-0.015, 0.01)}
     sphere = {"type": "sphere", "radius": 0.02, "origin": (-0.02, 0.0, 0.02), "u": (-0.5, 0.6), "v": (0.1, 0.5)}
     content = with_patches(toy, line, sphere).description.model_dump()
     for pad in content["pads"]:
         pad["contact"] = {"model": "soft_finger", "torsion_radius": 0.005, "torsional_stiffness": 1.0}
-    return RobotModel(RobotDescription.model_validate(content))
+    return Robot(RobotDescription.model_validate(content))
 
 
-def random_parameters(robot: RobotModel, rng: np.random.Generator, part: float = 1.0) -> Array:
+def random_parameters(robot: Robot, rng: np.random.Generator, part: float = 1.0) -> Array:
     """Return contact parameters from the middle part of their ranges, shape (c,)."""
     low, high = robot.parameter_limits.T
     return np.asarray(0.5 * (low + high) + 0.5 * part * (high - low) * rng.uniform(-1.0, 1.0, len(low)))
@@ -179,22 +179,22 @@ def alone(xml: str, joints: dict[str, float]) -> dict[str, Array]:
 
 
 @pytest.fixture(scope="session")
-def can_scene() -> SceneDescription:
+def can_scene() -> Scene:
     return pinograsp.load_scene("glovebox_can")
 
 
 @pytest.fixture(scope="session")
-def glovebox() -> SceneDescription:
+def glovebox() -> Scene:
     return pinograsp.load_scene("glovebox")
 
 
 @pytest.fixture(scope="session")
-def sphere_task(gen3: RobotModel, glovebox: SceneDescription) -> TaskModel:
+def sphere_task(gen3: Robot, glovebox: Scene) -> TaskModel:
     return TaskModel(gen3, glovebox, "sphere")
 
 
 @pytest.fixture(scope="session")
-def paper_task(paper: RobotModel, glovebox: SceneDescription) -> TaskModel:
+def paper_task(paper: Robot, glovebox: Scene) -> TaskModel:
     return TaskModel(paper, glovebox, "sphere")
 
 
@@ -262,7 +262,7 @@ TOY_ROBOT: dict[str, Any] = {
     "stiffness": {"joint": 100.0, "contact": 10000.0},
 }
 
-RobotFactory = Callable[..., RobotModel]
+RobotFactory = Callable[..., Robot]
 
 
 @pytest.fixture(scope="session")
@@ -272,7 +272,7 @@ def make_toy(tmp_path_factory: pytest.TempPathFactory) -> RobotFactory:
     `urdf` replaces its URDF, `meshes` are copied beside it, further keywords replace keys of its robot file.
     """
 
-    def make(urdf: str = TOY_URDF, meshes: tuple[Path, ...] = (), **changes: Any) -> RobotModel:
+    def make(urdf: str = TOY_URDF, meshes: tuple[Path, ...] = (), **changes: Any) -> Robot:
         folder = tmp_path_factory.mktemp("toy")
         for mesh in meshes:
             (folder / mesh.name).write_bytes(mesh.read_bytes())
@@ -283,7 +283,7 @@ def make_toy(tmp_path_factory: pytest.TempPathFactory) -> RobotFactory:
 
 
 @pytest.fixture(scope="session")
-def toy(make_toy: RobotFactory) -> RobotModel:
+def toy(make_toy: RobotFactory) -> Robot:
     return make_toy()
 
 
@@ -302,14 +302,14 @@ TOY_SCENE: dict[str, Any] = {
     },
 }
 
-SceneFactory = Callable[..., SceneDescription]
+SceneFactory = Callable[..., Scene]
 
 
 @pytest.fixture(scope="session")
 def make_toy_scene(tmp_path_factory: pytest.TempPathFactory) -> SceneFactory:
     """Return a function that writes and loads the toy's scene, further keywords replacing its keys."""
 
-    def make(**changes: Any) -> SceneDescription:
+    def make(**changes: Any) -> Scene:
         file = tmp_path_factory.mktemp("toy_scene") / "scene.yaml"
         return pinograsp.load_scene(_written(file, TOY_SCENE | changes))
 
@@ -317,12 +317,12 @@ def make_toy_scene(tmp_path_factory: pytest.TempPathFactory) -> SceneFactory:
 
 
 @pytest.fixture(scope="session")
-def toy_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+def toy_task(toy: Robot, make_toy_scene: SceneFactory) -> TaskModel:
     return TaskModel(toy, make_toy_scene(), "ball")
 
 
 @pytest.fixture(scope="session")
-def soft_gen3(gen3: RobotModel, tmp_path_factory: pytest.TempPathFactory) -> RobotModel:
+def soft_gen3(gen3: Robot, tmp_path_factory: pytest.TempPathFactory) -> Robot:
     """The shipped arm and gripper with soft finger contacts, read from a file of its own."""
     content = yaml.safe_load(gen3.description.source.read_text())
     for pad in content["pads"]:

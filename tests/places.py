@@ -12,17 +12,17 @@ from conftest import Array
 
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.kinematics.hand_posture import preshape
 from pinograsp.problem import GraspProblem, State, TaskModel
 from pinograsp.solve.projection import Projection, initial_guesses, nearest_assignment
 
 
-def changed(scene: SceneDescription, section: str, name: str = "sphere", **keys: Any) -> SceneDescription:
+def changed(scene: Scene, section: str, name: str = "sphere", **keys: Any) -> Scene:
     """Return the scene with keys of one object or task replaced."""
     content = scene.model_dump()
     content[section][name] |= keys
-    return SceneDescription.model_validate(content)
+    return Scene.model_validate(content)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from pinograsp.assessment.judge import LOST, OFF_PAD, SLIPS, TOUCHES, Judge
 from pinograsp.assessment.margins import KINDS, margin_of
 from pinograsp.assessment.outcome import wilson
 from pinograsp.geometry.shapes import surface_of
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup, write_json
 from pinograsp.verification import Certificate, Verifier
 from pinograsp.verification.balance import BalanceProblem
@@ -42,7 +42,7 @@ Make = Callable[..., Grasp]
 
 
 @pytest.fixture
-def make_grasp(toy: RobotModel, make_toy_scene: SceneFactory) -> Make:
+def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> Make:
     """Return a function that puts something between the middles of the toy's pads, x across, the pads' u along z."""
 
     def make(shape: dict[str, Any] = BALL, contact_model: dict[str, Any] | None = SOFT, **task: Any) -> Grasp:
@@ -64,7 +64,7 @@ def make_grasp(toy: RobotModel, make_toy_scene: SceneFactory) -> Make:
     return make
 
 
-def grasp_of(toy: RobotModel, setup: Setup) -> Grasp:
+def grasp_of(toy: Robot, setup: Setup) -> Grasp:
     contacts = tuple(
         Contact(
             pad=side,
@@ -175,7 +175,7 @@ def test_arm_error_moves_the_ball_along_the_jaw_alone(make_grasp: Make) -> None:
 
 
 @pytest.mark.parametrize("shape", [BALL, BOX, CAN])
-def test_derivatives(mixed_toy: RobotModel, shape: dict[str, Any]) -> None:
+def test_derivatives(mixed_toy: Robot, shape: dict[str, Any]) -> None:
     """Flat, curved and line pads, from 3 mm above the surface: a box's corners and edges have no derivatives."""
     surface = surface_of(pinograsp.descriptions.scene.Body.model_validate({"shape": shape}).shape)
     T, _ = moved(np.eye(4), np.array([MIDDLE, 0.001, 0.219]), np.array([0.1, -0.2, 0.3]))
@@ -445,7 +445,7 @@ def run(
     """Return a function that runs `pinograsp assess` on a result of one grasp."""
     grasp = make_grasp()
     assert grasp.setup is not None
-    result = Result(grasp.setup, (grasp,), 1, {"converged": 1}, reliable=1, refuted=0, blocked={})
+    result = Result(grasp.setup, (grasp,), 1, {"converged": 1}, verified=1, refuted=0, blocked={})
     write_json(result, tmp_path / "result.json")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")

@@ -17,7 +17,7 @@ import pytest
 
 import pinograsp
 from pinograsp import cli
-from pinograsp.descriptions import SceneDescription, schema, shipped_robots, shipped_scenes
+from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.verification import Certificate, Figure
 
 ROBOT = shipped_robots()["gen3_2f85"].read_text()
@@ -111,7 +111,7 @@ def test_bad_robot(run: Run, old: str, new: str, key: str, words: str, tmp_path:
     assert words in message
 
 
-def test_mesh_that_is_not_found(run: Run, tmp_path: Path, gen3: pinograsp.RobotModel) -> None:
+def test_mesh_that_is_not_found(run: Run, tmp_path: Path, gen3: pinograsp.Robot) -> None:
     urdf = gen3.description.urdf_file.read_text()
     (tmp_path / "arm.urdf").write_text(urdf.replace("collision/left_knuckle.stl", "collision/no_such_mesh.stl"))
     assert "no_such_mesh" in (tmp_path / "arm.urdf").read_text()
@@ -174,7 +174,7 @@ def test_good_run(run: Run, tmp_path: Path) -> None:
     assert result.done == result.starts == 12
     assert result.best is not None
     assert f" different of {len(result.grasps)} distinct grasps, gen3_2f85 in glovebox" in output
-    assert f"{result.reliable} of 12 starts reliable" in output
+    assert f"{result.verified} of 12 starts verified" in output
     assert f"{result.best.cost.U:.4g}" in output
     page = folder / "glovebox_sphere.html"
     assert "<html" in page.read_text()[:1000].lower()
@@ -184,7 +184,7 @@ def test_good_run(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def planned(gen3: pinograsp.RobotModel, glovebox: SceneDescription) -> pinograsp.Result:
+def planned(gen3: pinograsp.Robot, glovebox: Scene) -> pinograsp.Result:
     """Grasps whose clearances are made up: they rise with the numbers."""
     result = pinograsp.plan(gen3, glovebox, "sphere", starts=3, workers=1)
     grasps = tuple(
@@ -227,7 +227,7 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     assert code == 1
     assert errors == ""
     assert "No verified grasp was found." in output
-    assert "0 of 4 starts reliable" in output
+    assert "0 of 4 starts verified" in output
     result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
     assert result.best is None
     assert sum(blocked.starts for blocked in result.blocked.values()) == 4
@@ -296,7 +296,7 @@ from pinograsp.cli.progress_bar import ProgressBar
 
 def sign(bar, progress, real=ProgressBar.__call__):
     real(bar, progress)
-    if getattr(progress, "reliable", 0):
+    if getattr(progress, "verified", 0):
         Path("begun").touch()
 
 ProgressBar.__call__ = sign

@@ -15,9 +15,9 @@ import trimesh
 import yaml
 from conftest import TOY_ROBOT, Array, alone, collision_model, matrix, poses_of
 
-from pinograsp import InputError, RobotModel, load_robot
+from pinograsp import InputError, Robot, load_robot
 from pinograsp.database.identity import Identity
-from pinograsp.descriptions import SceneDescription, load_robot_description
+from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.descriptions.pose import Pose
 from pinograsp.descriptions.scene import Margins
 from pinograsp.descriptions.urdf import read_urdf
@@ -25,7 +25,7 @@ from pinograsp.kinematics.batch import BatchKinematics
 from pinograsp.kinematics.contacts import contact_kinematics
 from pinograsp.kinematics.forward import Configuration, forward
 from pinograsp.kinematics.hand_posture import widest_jaw
-from pinograsp.kinematics.robot import SLIDE, SLIP, TURN
+from pinograsp.kinematics.robot import SLIDE_STEP, SLIP_STEP, TURN_STEP
 from pinograsp.results.provenance import provenance
 from pinograsp.verification import Verifier
 from pinograsp.verification.kinematics import Kinematics, parsed
@@ -136,11 +136,11 @@ def write(tmp_path: Path) -> Write:
 
 
 @pytest.fixture
-def chain(write: Write) -> RobotModel:
+def chain(write: Write) -> Robot:
     return load_robot(write())
 
 
-def verified_poses(robot: RobotModel, joints: dict[str, float]) -> dict[str, Array]:
+def verified_poses(robot: Robot, joints: dict[str, float]) -> dict[str, Array]:
     """Return the link poses that the verification computes."""
     description = robot.description
     kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), Path("x")).mounted(
@@ -149,18 +149,18 @@ def verified_poses(robot: RobotModel, joints: dict[str, float]) -> dict[str, Arr
     return kinematics.poses(joints)
 
 
-def random_postures(robot: RobotModel, count: int) -> Array:
+def random_postures(robot: Robot, count: int) -> Array:
     return np.random.default_rng(0).uniform(robot.lower, robot.upper, (count, robot.posture_size))
 
 
-def at(robot: RobotModel, posture: Array) -> Configuration:
+def at(robot: Robot, posture: Array) -> Configuration:
     return forward(robot, robot.model.createData(), posture)
 
 
 # ---- kinematics
 
 
-def test_a_chain_of_three_is_the_product_of_its_parts(chain: RobotModel) -> None:
+def test_a_chain_of_three_is_the_product_of_its_parts(chain: Robot) -> None:
     mounting = Pose(position=(0.3, -0.1, 0.2), rpy=(0.4, -1.1, 2.0)).matrix
     robot = chain.mounted(mounting)
     assert set(robot.joint_names) == {"slide", "arm_turn", "hand_open", "hand_follow"}
@@ -183,12 +183,12 @@ def test_a_chain_of_three_is_the_product_of_its_parts(chain: RobotModel) -> None
                 np.testing.assert_allclose(found[link], T, atol=1e-9, err_msg=link)
 
 
-def test_planning_with_a_rail(chain: RobotModel) -> None:
+def test_planning_with_a_rail(chain: Robot) -> None:
     """The rail is an arm joint: limits, units, starts' kinematics, contacts and their derivatives."""
     np.testing.assert_allclose(chain.lower, [-0.2, -2.0, 0.0])
     np.testing.assert_allclose(chain.upper, [0.5, 2.0, 0.05])
     assert chain.arm_size == 2
-    np.testing.assert_allclose(chain.step_units, [SLIDE, TURN, SLIDE, *[SLIP] * 4])
+    np.testing.assert_allclose(chain.step_units, [SLIDE_STEP, TURN_STEP, SLIDE_STEP, *[SLIP_STEP] * 4])
     postures = random_postures(chain, 10)
     postures[:, 2] = 0.01
     batch = BatchKinematics(chain, np.array([0.01]))
@@ -204,7 +204,7 @@ def test_planning_with_a_rail(chain: RobotModel) -> None:
             np.testing.assert_allclose(contacts.d_normals[:, :, k], (plus.normals - minus.normals) / 2e-6, atol=1e-8)
 
 
-def test_collision_bodies_of_every_part_are_there(chain: RobotModel, make_toy_scene: Any) -> None:
+def test_collision_bodies_of_every_part_are_there(chain: Robot, make_toy_scene: Any) -> None:
     verifier = Verifier(chain.description, make_toy_scene(), "ball")
     assert set(verifier._robot.meshes) == {"carriage", "arm_upper", "hand_base", "hand_left", "hand_right"}
     geometry = pin.buildGeomFromUrdfString(chain.model, chain.urdf.xml, pin.COLLISION)
@@ -506,7 +506,7 @@ def hand_joints(sigma: float) -> dict[str, float]:
     return dict(zip(names, angles, strict=True))
 
 
-def test_paper_robot_is_the_product_of_arm_and_hand(paper: RobotModel) -> None:
+def test_paper_robot_is_the_product_of_arm_and_hand(paper: Robot) -> None:
     description = paper.description
     arm_xml, hand_xml = (file.read_text() for key, file in description.files.items() if key.endswith("urdf"))
     model = pin.buildModelFromXML(arm_xml)
@@ -527,7 +527,7 @@ def test_paper_robot_is_the_product_of_arm_and_hand(paper: RobotModel) -> None:
     assert any("robotiq" in frame.name for frame in model.frames)  # what was left out
 
 
-def test_verification_places_the_paper_robot_as_the_model_does(paper: RobotModel, glovebox: SceneDescription) -> None:
+def test_verification_places_the_paper_robot_as_the_model_does(paper: Robot, glovebox: Scene) -> None:
     robot = paper.mounted(glovebox.mounting.matrix)
     kinematics = Verifier(paper.description, glovebox, "sphere")._kinematics
     for posture in random_postures(robot, 10):
@@ -537,7 +537,7 @@ def test_verification_places_the_paper_robot_as_the_model_does(paper: RobotModel
 
 
 @pytest.mark.paper
-def test_paper_robot_has_the_limits_of_section_4_1(paper: RobotModel) -> None:
+def test_paper_robot_has_the_limits_of_section_4_1(paper: Robot) -> None:
     """And one contact parameter a finger, from the tip inwards, (20)."""
     upper = [6.283, 2.094, 6.283, 2.443, 6.283, 1.919, 6.283]
     np.testing.assert_array_equal(paper.lower, [*(-value for value in upper), 1.570])
@@ -549,7 +549,7 @@ def test_paper_robot_has_the_limits_of_section_4_1(paper: RobotModel) -> None:
 
 @pytest.mark.paper
 @pytest.mark.parametrize("sigma", np.linspace(1.570, 2.119, 8))
-def test_gap_and_directions_of_the_paper_hand(paper: RobotModel, sigma: float) -> None:
+def test_gap_and_directions_of_the_paper_hand(paper: Robot, sigma: float) -> None:
     """Eq. (19): the gap is 25.2 - 2 * 57.3 cos(sigma) mm, and the distal phalanges stay parallel."""
     posture = np.array([*random_postures(paper, 1)[0, :7], sigma])
     joints = paper.joints_by_name(posture)
@@ -569,7 +569,7 @@ def test_gap_and_directions_of_the_paper_hand(paper: RobotModel, sigma: float) -
 
 
 @pytest.mark.paper
-def test_stroke_and_synergy_of_the_paper_hand(paper: RobotModel) -> None:
+def test_stroke_and_synergy_of_the_paper_hand(paper: Robot) -> None:
     """The jaw takes the paper's sphere (r 37.3 mm) and can (r 42.3 mm); S has the signs of eq. (19)."""
     widest = widest_jaw(paper)
     assert widest is not None
@@ -580,7 +580,7 @@ def test_stroke_and_synergy_of_the_paper_hand(paper: RobotModel) -> None:
     assert signs == {"left_shoulder": 1.0, "left_knuckle": -1.0, "right_shoulder": -1.0, "right_knuckle": 1.0}
 
 
-def test_faces_of_the_paper_hand_carry_the_contact_lines(paper: RobotModel, glovebox: SceneDescription) -> None:
+def test_faces_of_the_paper_hand_carry_the_contact_lines(paper: Robot, glovebox: Scene) -> None:
     """The line of a finger is the middle of its phalanx's inner face, which no part of the phalanx stands out of.
 
     So contact at the pad keeps the phalanx off the object, and there is no distance between the two.

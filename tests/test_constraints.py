@@ -14,9 +14,9 @@ from places import Place, changed, first_grasp, project, random_starts
 from test_synergies import OPEN_AND_SHIFT, TWO_SLIDERS
 
 from pinograsp.collision.distances import REACH
-from pinograsp.collision.scene_world import SLACK
-from pinograsp.descriptions import SceneDescription
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.collision.scene_world import MARGIN_EXCESS
+from pinograsp.descriptions import Scene
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import CONSTRAINTS, COSTS, Constraint, Cost, GraspProblem, Inside, Residual, State, TaskModel
 from pinograsp.problem.constraint import PER_METRE, Kind, Projected, Violation
 from pinograsp.problem.constraints.clearance import NEAR, SMOOTHING, Clearance, bend
@@ -30,14 +30,14 @@ from pinograsp.verification import Verifier
 
 
 @pytest.fixture(scope="module")
-def soft_task(soft_gen3: RobotModel, glovebox: SceneDescription) -> TaskModel:
+def soft_task(soft_gen3: Robot, glovebox: Scene) -> TaskModel:
     """Soft fingers, and a cone of approach directions that random postures miss."""
     cone = {"direction": (0.0, 0.6, -0.8), "angle": 0.05}
     return TaskModel(soft_gen3, changed(glovebox, "tasks", approach=cone), "sphere")
 
 
 @pytest.fixture(scope="module")
-def box_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+def box_task(toy: Robot, make_toy_scene: SceneFactory) -> TaskModel:
     """The toy with a turned box between its fingers, the ball an obstacle; a wide cone about an axis of the box.
 
     Footprints are to be in the upper part of the box, contacts to keep off its edges.
@@ -57,12 +57,12 @@ def box_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
 
 
 @pytest.fixture(scope="module")
-def curved_task(curved_gen3: RobotModel, glovebox: SceneDescription) -> TaskModel:
+def curved_task(curved_gen3: Robot, glovebox: Scene) -> TaskModel:
     return TaskModel(curved_gen3, glovebox, "sphere")
 
 
 @pytest.fixture(scope="module")
-def mixed_task(mixed_toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+def mixed_task(mixed_toy: Robot, make_toy_scene: SceneFactory) -> TaskModel:
     return TaskModel(mixed_toy, make_toy_scene(), "ball")
 
 
@@ -75,7 +75,7 @@ def limited_task(make_toy: RobotFactory, make_toy_scene: SceneFactory) -> TaskMo
 
 
 @pytest.fixture(scope="module")
-def line_task(gen3: RobotModel, can_scene: SceneDescription) -> TaskModel:
+def line_task(gen3: Robot, can_scene: Scene) -> TaskModel:
     """Flat pads along a can, in the ring that is left of a band with a hole in it; contacts keep off the rims."""
     hole = {"type": "outside", "part": {"type": "ball", "center": (0.0, 0.0423, 0.03), "radius": 0.01}}
     region = {"type": "all_of", "parts": [{"type": "band", "z": (-0.02, 0.05)}, hole]}
@@ -218,11 +218,11 @@ def test_slope_of_a_residual_that_is_zero_up_to_rounding(soft_task: TaskModel) -
         np.testing.assert_allclose(residual.jacobian, 0.0, atol=1e-5)
 
 
-def hard_fingers(gen3: RobotModel, glovebox: SceneDescription, **keys: Any) -> TaskModel:
+def hard_fingers(gen3: Robot, glovebox: Scene, **keys: Any) -> TaskModel:
     return TaskModel(gen3, changed(glovebox, "tasks", contact_model={"model": "hard_finger"}, **keys), "sphere")
 
 
-def test_balance_can_be_waived(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_balance_can_be_waived(gen3: Robot, glovebox: Scene) -> None:
     waived, wanted = (hard_fingers(gen3, glovebox, balance_wrench=balance) for balance in (False, True))
     without, kept = GraspProblem(waived, (0, 1)), GraspProblem(wanted, (0, 1))
     x = 0.5 * (kept.lower + kept.upper) + 0.1
@@ -235,9 +235,7 @@ def test_balance_can_be_waived(gen3: RobotModel, glovebox: SceneDescription) -> 
     assert not {"force balance", "torque balance"} & {found.name for found in without.violations(without.state(x))}
 
 
-def test_the_larger_part_of_the_unbalanced_wrench_is_named(
-    grasp: Place, gen3: RobotModel, glovebox: SceneDescription
-) -> None:
+def test_the_larger_part_of_the_unbalanced_wrench_is_named(grasp: Place, gen3: Robot, glovebox: Scene) -> None:
     """Contacts far from the object leave a force; at the object, off its centre, a torque about their line."""
     problem = GraspProblem(hard_fingers(gen3, glovebox), grasp.problem.assignment)
     load = problem.model.load
@@ -259,7 +257,7 @@ def test_the_larger_part_of_the_unbalanced_wrench_is_named(
     ("contact", "name"), [({"friction": 0.01}, "friction"), ({"friction": 50.0, "max_force": 0.9}, "force limit")]
 )
 def test_forces_are_blamed_on_the_limit_that_they_break(
-    grasp: Place, gen3: RobotModel, glovebox: SceneDescription, contact: dict[str, float], name: str
+    grasp: Place, gen3: Robot, glovebox: Scene, contact: dict[str, float], name: str
 ) -> None:
     before = glovebox.task("sphere").contact.model_dump()
     model = TaskModel(gen3, changed(glovebox, "tasks", contact=before | contact), "sphere")
@@ -313,8 +311,8 @@ def test_clearance_is_a_tight_lower_bound(place: Place) -> None:
     state = place.state
     model, measured = state.model, state.distances
     clearance, margin = Clearance(model), model.task.margin
-    margins = dict.fromkeys(("enclosure clearance", "obstacle clearance"), margin.enclosure + SLACK)
-    margins |= {"self clearance": margin.robot + SLACK, "object clearance": margin.object + SLACK}
+    margins = dict.fromkeys(("enclosure clearance", "obstacle clearance"), margin.enclosure + MARGIN_EXCESS)
+    margins |= {"self clearance": margin.robot + MARGIN_EXCESS, "object clearance": margin.object + MARGIN_EXCESS}
     least = dict.fromkeys(clearance.links, math.inf)
     known = dict(zip(measured.indices.tolist(), measured.values.tolist(), strict=True))
     violated: dict[str, float] = {}
@@ -330,7 +328,7 @@ def test_clearance_is_a_tight_lower_bound(place: Place) -> None:
     assert {found.name: found.value for found in clearance.violations(state)} == pytest.approx(violated)
 
 
-def test_margin_larger_than_the_reach_can_be_kept(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_margin_larger_than_the_reach_can_be_kept(gen3: Robot, glovebox: Scene) -> None:
     wide = changed(glovebox, "tasks", margin={"enclosure": 2 * REACH, "robot": 0.005})
     model = TaskModel(gen3, wide, "sphere")
     clearance = Clearance(model)

@@ -14,7 +14,7 @@ import trimesh
 from pydantic import TypeAdapter
 from test_verification import OPENING, ROOM, Case, configuration, measure, names, place, random_angles, scene_with
 
-from pinograsp.descriptions import SceneDescription, load_robot_description, load_scene
+from pinograsp.descriptions import Scene, load_robot_description, load_scene
 from pinograsp.descriptions.patches import Patch
 from pinograsp.descriptions.robot import RobotDescription
 from pinograsp.verification import Verifier
@@ -126,14 +126,14 @@ def test_a_pad_that_the_task_does_not_use_is_a_link_like_any(case: Case) -> None
     robot = case.robot.model_copy(update={"pads": (*case.robot.pads, third)})
     given = case.scene().model_dump()
     given["tasks"]["sphere"] |= {"pads": ("left", "right")}
-    certificate = Verifier(robot, SceneDescription.model_validate(given), "sphere").check(case.claim)
+    certificate = Verifier(robot, Scene.model_validate(given), "sphere").check(case.claim)
     assert certificate == case.check(case.scene())
 
 
 # ---- where
 
 
-def can(case: Case, turn: float, **task: Any) -> SceneDescription:
+def can(case: Case, turn: float, **task: Any) -> Scene:
     """Return a can between the pads, its axis turned by an angle from the pads' x axis towards their y axis."""
     across = case.across
     third = np.cross(case.jaw, across)
@@ -145,7 +145,7 @@ def can(case: Case, turn: float, **task: Any) -> SceneDescription:
     given = case.scene().model_dump()
     given["objects"]["sphere"] = {"shape": shape, "pose": {"position": case.center.tolist(), "rpy": rpy}}
     given["tasks"]["sphere"] |= task
-    return SceneDescription.model_validate(given)
+    return Scene.model_validate(given)
 
 
 def test_a_region_holds_for_the_footprint(case: Case) -> None:

@@ -32,7 +32,7 @@ from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.solids import link_bodies
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.scene import Margins
 from pinograsp.errors import InputError
 from pinograsp.geometry import cover_cache, covers
@@ -42,7 +42,7 @@ from pinograsp.geometry.hulls import FlatError
 from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import collision_elements
 from pinograsp.kinematics.forward import forward
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import TaskModel
 from pinograsp.verification import Verifier
 
@@ -82,14 +82,14 @@ Meshes = dict[str, tuple[Any, Array]]
 
 
 @pytest.fixture(scope="module")
-def meshes(gen3: RobotModel, glovebox: SceneDescription) -> Meshes:
+def meshes(gen3: Robot, glovebox: Scene) -> Meshes:
     """Coal's tree of every link's meshes and their triangles, link frame, as the verification has them."""
     found = Verifier(gen3.description, glovebox, "sphere")._robot.meshes
     return {link: (mesh.solid, mesh.triangles) for link, mesh in found.items()}
 
 
 @pytest.fixture(scope="module")
-def pieces(gen3: RobotModel) -> dict[str, list[Array]]:
+def pieces(gen3: Robot) -> dict[str, list[Array]]:
     """Vertices of the pieces as Coal has them, link frame, by link."""
     found = by_link(link_solids(gen3))
     for link, all_points in found.items():
@@ -115,7 +115,7 @@ def test_pieces_of_the_gen3_contain_its_meshes(meshes: Meshes, pieces: dict[str,
     assert beyond(meshes["half_arm_1_link"][1].reshape(-1, 3), pieces["half_arm_1_link"][1:]) > 1e-3
 
 
-def test_meshes_are_where_pinocchio_reads_them(gen3: RobotModel) -> None:
+def test_meshes_are_where_pinocchio_reads_them(gen3: Robot) -> None:
     """Units, axes and scenes of the files. (Only vertices: of several bodies in one file Coal mixes up the faces.)"""
     geometry = pin.buildGeomFromUrdfString(gen3.model, gen3.urdf.xml, pin.GeometryType.COLLISION)
     elements = collision_elements(gen3)
@@ -143,7 +143,7 @@ def test_pieces_of_the_gen3_stand_off_10_mm_at_most(meshes: Meshes, pieces: dict
 
 
 def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
-    gen3: RobotModel, gen3_hulls: RobotModel, glovebox: SceneDescription, meshes: Meshes
+    gen3: Robot, gen3_hulls: Robot, glovebox: Scene, meshes: Meshes
 ) -> None:
     """Link by link, with the arm folded and the object close to each of its links in turn."""
     data, rng = gen3.model.createData(), np.random.default_rng(3)
@@ -170,11 +170,11 @@ def test_distances_lie_between_those_of_single_hulls_and_of_the_meshes(
     assert max(gains) > 0.01
 
 
-def with_object_at(scene: SceneDescription, position: Array) -> SceneDescription:
+def with_object_at(scene: Scene, position: Array) -> Scene:
     """Return the scene with the object of the task `sphere` elsewhere."""
     content = scene.model_dump()
     content["objects"][scene.task("sphere").object]["pose"]["position"] = tuple(position.tolist())
-    return SceneDescription.model_validate(content)
+    return Scene.model_validate(content)
 
 
 def least_by_links(model: CollisionModel, at: Any) -> dict[tuple[str, str], float]:
@@ -221,7 +221,7 @@ def test_walls_see_the_nearest_piece(sphere_task: TaskModel) -> None:
         assert (points @ np.array(wall.n)).min() - wall.d == pytest.approx(value, abs=1e-9)
 
 
-def test_wholes_are_hulls_of_the_pieces_of_a_link(gen3: RobotModel, gen3_hulls: RobotModel, toy: RobotModel) -> None:
+def test_wholes_are_hulls_of_the_pieces_of_a_link(gen3: Robot, gen3_hulls: Robot, toy: Robot) -> None:
     hulls = by_link(link_solids(gen3_hulls))
     for body in link_bodies(gen3):
         [whole] = body.wholes
@@ -231,9 +231,7 @@ def test_wholes_are_hulls_of_the_pieces_of_a_link(gen3: RobotModel, gen3_hulls: 
     assert [whole.parts for body in link_bodies(toy) for whole in body.wholes] == [(0,)] * 4
 
 
-def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(
-    toy: RobotModel, make_toy_scene: SceneFactory
-) -> None:
+def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(toy: Robot, make_toy_scene: SceneFactory) -> None:
     """The arm laid down: 40 mm from a wall, the finger 0.16 m from the base with 0.13 m between bounding spheres."""
     scene = make_toy_scene(enclosure={"min": [-0.4, -0.06, -0.2], "max": [0.4, 0.06, 0.4]})
     for margin, kept in ((0.10, [0]), (0.18, [])):
@@ -394,7 +392,7 @@ def bracket(folder: Path, name: str = "bracket.stl") -> Path:
     return folder / name
 
 
-def with_bracket(make_toy: RobotFactory, mesh: Path, **changes: Any) -> RobotModel:
+def with_bracket(make_toy: RobotFactory, mesh: Path, **changes: Any) -> Robot:
     """Return the toy with the mesh for its arm."""
     box = '<geometry><box size="0.04 0.04 0.16"/></geometry>'
     geometry = f'<geometry><mesh filename="{mesh.name}" scale="0.001 0.001 0.001"/></geometry>'
@@ -570,7 +568,7 @@ def test_a_robot_with_cached_covers_reads_no_mesh(
     first = link_solids(robot)
     assert len(own_cache) == 1
     cover_cache._cached.cache_clear()
-    again = link_solids(RobotModel(robot.description))
+    again = link_solids(Robot(robot.description))
     assert len(own_cache) == 1
     for one, other in zip(first, again, strict=True):
         assert one.name == other.name

@@ -257,7 +257,7 @@ def test_database_of_something_else_is_refused(
         scene = glovebox.model_copy(update={"enclosure": walls})
     else:
         arm = gen3.description.arm.model_copy(update={"limits": {"joint_2": (-1.0, 1.0)}})
-        robot = pinograsp.RobotModel(gen3.description.model_copy(update={"arm": arm}))
+        robot = pinograsp.Robot(gen3.description.model_copy(update={"arm": arm}))
     before = small.read_bytes()
     with pytest.raises(InputError) as caught:
         build_database(robot, scene, small, size=10**6, margins=margins)

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pinograsp import RobotModel, SolverOptions
-from pinograsp.descriptions import SceneDescription
+from pinograsp import Robot, SolverOptions
+from pinograsp.descriptions import Scene
 from pinograsp.errors import InputError, WorkerLostError
 from pinograsp.execution import GivenExecutor, Packed, Processes, ThisProcess, Workers, own_workers
 from pinograsp.execution.distribute import HOPELESS
@@ -238,7 +238,7 @@ def test_an_executor_that_was_shut_down_is_told() -> None:
 
 
 def test_a_start_that_kills_its_worker_is_told_and_no_other_is_lost(
-    gen3: RobotModel, glovebox: SceneDescription, monkeypatch: pytest.MonkeyPatch
+    gen3: Robot, glovebox: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = plan(gen3, glovebox, "sphere", starts=12, workers=1)
     solve = LocalSolver.solve
@@ -268,7 +268,7 @@ def content(attempts: Iterator[Attempt]) -> list[tuple[Any, ...]]:
 
 
 def test_dask_workers_give_the_same_bytes_when_one_is_killed(
-    gen3: RobotModel, glovebox: SceneDescription, sphere_task: TaskModel, tmp_path: Path
+    gen3: Robot, glovebox: Scene, sphere_task: TaskModel, tmp_path: Path
 ) -> None:
     distributed = pytest.importorskip("distributed")
     rng = np.random.default_rng(0)

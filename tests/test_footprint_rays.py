@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import pinograsp
 from pinograsp import InputError
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.patches import Patch, PlanePatch
 from pinograsp.descriptions.regions import Region
 from pinograsp.descriptions.shapes import Shape
@@ -25,7 +25,7 @@ from pinograsp.geometry.contact_faces import Flat, Ruling, Spot, clipped, edge_d
 from pinograsp.geometry.patches import inside_rim, patch_point
 from pinograsp.geometry.regions import is_convex
 from pinograsp.geometry.shapes import surface_of
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, State, TaskModel
 from pinograsp.problem.footprint import rays
 from pinograsp.solve.projection import nearest_assignment
@@ -143,10 +143,10 @@ def projected(model: TaskModel, seed: int) -> State:
 @pytest.fixture(scope="module", params=["side", "cap", "box", "paper", "round"])
 def touching(
     request: pytest.FixtureRequest,
-    gen3: RobotModel,
-    paper: RobotModel,
-    curved_gen3: RobotModel,
-    can_scene: SceneDescription,
+    gen3: Robot,
+    paper: Robot,
+    curved_gen3: Robot,
+    can_scene: Scene,
 ) -> list[State]:
     """Flat pads on the side and on the caps of a can and on a box, the paper's on the side, round ones on the box."""
     robot, scene = {"paper": paper, "round": curved_gen3}.get(request.param, gen3), can_scene
@@ -213,30 +213,30 @@ def edges(result: pinograsp.Result) -> list[float]:
     return [grasp.certificate["contact region"].value for grasp in result.grasps]
 
 
-def test_footprints_stay_in_the_ring_that_is_allowed(gen3: RobotModel, can_scene: SceneDescription) -> None:
+def test_footprints_stay_in_the_ring_that_is_allowed(gen3: Robot, can_scene: Scene) -> None:
     result = pinograsp.plan(gen3, can_scene, "can_region", starts=12, workers=2)
-    assert result.reliable >= 11
+    assert result.verified >= 11
     assert result.refuted == 0
     assert min(edges(result)) > -1e-6
     heights = [contact.point[2] - 0.034 for grasp in result.grasps for contact in grasp.contacts]
     assert min(heights) > can_scene.objects["can"].pose.position[2]
 
 
-def test_a_point_may_be_inside_where_its_footprint_is_not(gen3: RobotModel, can_scene: SceneDescription) -> None:
+def test_a_point_may_be_inside_where_its_footprint_is_not(gen3: Robot, can_scene: Scene) -> None:
     by_point = changed(can_scene, "tasks", "can_region", contact_regions="point")
     result = pinograsp.plan(gen3, by_point, "can_region", starts=6, workers=2)
-    assert result.reliable == 6
+    assert result.verified == 6
     strict = Verifier(gen3.description, can_scene, "can_region")
     outside = [strict.check(grasp.claim)["contact region"].value for grasp in result.grasps]
     assert min(outside) < -1e-3
 
 
-def test_contacts_keep_their_reserve_from_rims(gen3: RobotModel, can_scene: SceneDescription) -> None:
+def test_contacts_keep_their_reserve_from_rims(gen3: Robot, can_scene: Scene) -> None:
     """Without one the desired points, beside the ring, draw them to the very rim."""
     for rim in (0.0, 0.004):
         scene = changed(can_scene, "tasks", "can_region", reserve={"rim": rim})
         result = pinograsp.plan(gen3, scene, "can_region", starts=6, workers=1)
-        assert result.reliable >= 5
+        assert result.verified >= 5
         found = [grasp.certificate["pad rim"].value for grasp in result.grasps]
         assert min(found) == pytest.approx(rim, abs=2e-6)
         assert min(grasp.certificate["surface edge"].value for grasp in result.grasps) >= rim - 2e-5
@@ -266,7 +266,7 @@ def test_parameters_within_a_reserve_are_so_far_from_the_rim(
         assert rim_distance(patch, patch_point(patch, low).point) == pytest.approx(reserve, abs=1e-12)
 
 
-def test_a_reserve_that_leaves_nothing_of_a_pad_is_refused(gen3: RobotModel, can_scene: SceneDescription) -> None:
+def test_a_reserve_that_leaves_nothing_of_a_pad_is_refused(gen3: Robot, can_scene: Scene) -> None:
     scene = changed(can_scene, "tasks", "can", reserve={"rim": 0.011})
     with pytest.raises(
         InputError, match=r"tasks\.can\.reserve\.rim: a reserve of 11 mm leaves nothing of the pad 'left'"

@@ -20,10 +20,10 @@ from PIL import Image
 
 import pinograsp
 from pinograsp import HoldOptions, HoldOutcome, InputError, cli, hold_test
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.hold import HandAndObject, Simulation, film, write_film, write_mjcf
 from pinograsp.hold.mjcf import BEHIND, OBJECT
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup
 from pinograsp.verification import Certificate, Figure
 from pinograsp.verification.resistance import STANDARD_GRAVITY as GRAVITY
@@ -49,10 +49,10 @@ MakeGrasp = Callable[..., Grasp]
 
 
 @pytest.fixture(scope="module")
-def make_grasp(toy: RobotModel, make_toy_scene: SceneFactory) -> MakeGrasp:
+def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> MakeGrasp:
     """Return a function that makes a grasp by hand: the fingers press with SQUEEZE and share the weight."""
 
-    def make(robot: RobotModel = toy, shape: str = "sphere", contact: Any = SOFT, **changes: Any) -> Grasp:
+    def make(robot: Robot = toy, shape: str = "sphere", contact: Any = SOFT, **changes: Any) -> Grasp:
         body = {"shape": SHAPES[shape], "pose": {"position": [CENTER, 0.0, 0.22]}}
         task = TOY_SCENE["tasks"]["ball"] | {"contact_model": contact} | changes
         scene = make_toy_scene(objects={"ball": body}, tasks={"ball": task})
@@ -100,7 +100,7 @@ def grasp(make_grasp: MakeGrasp) -> Grasp:
 def result(grasp: Grasp) -> Result:
     assert grasp.setup is not None
     counts = {"converged": 2}
-    return Result(grasp.setup, (grasp, grasp), starts=2, counts=counts, reliable=2, refuted=0, blocked={})
+    return Result(grasp.setup, (grasp, grasp), starts=2, counts=counts, verified=2, refuted=0, blocked={})
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +164,7 @@ def test_lines_and_areas_of_contact(make_grasp: MakeGrasp, shape: str) -> None:
 
 
 @pytest.mark.parametrize("kind", PATCHES)
-def test_patches(make_toy: RobotFactory, make_grasp: MakeGrasp, toy: RobotModel, kind: str) -> None:
+def test_patches(make_toy: RobotFactory, make_grasp: MakeGrasp, toy: Robot, kind: str) -> None:
     """Curved pads touch where the flat one does: in the middle of its face."""
     pads = toy.description.model_dump()["pads"]
     for pad, side in zip(pads, (1.0, -1.0), strict=True):
@@ -215,7 +215,7 @@ def test_the_pad_is_in_front_of_its_link(grasp: Grasp) -> None:
     assert vertices[:, 0].max() - vertices[:, 0].min() == pytest.approx(0.01 - BEHIND, abs=1e-6)
 
 
-def test_a_planned_grasp_of_the_real_robot(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_planned_grasp_of_the_real_robot(gen3: Robot, glovebox: Scene) -> None:
     best = pinograsp.plan(gen3, glovebox, "sphere", starts=3, workers=1).best
     assert best is not None
     found = simulated(best, controls=True, spin=0.0)

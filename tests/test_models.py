@@ -29,14 +29,14 @@ import pinograsp.collision.distances as collision
 from pinograsp.collision.batch_clearance import CAP, BatchClearance
 from pinograsp.collision.distances import REACH, CollisionModel
 from pinograsp.collision.scene_world import enclosure_world
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.scene import Margins, Pose
 from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.batch import BatchKinematics
 from pinograsp.kinematics.contacts import contact_kinematics, jacobian_derivatives
 from pinograsp.kinematics.forward import Configuration, forward
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.problem.constraints.clearance import Clearance
 
@@ -50,29 +50,29 @@ ONE_FINGER_URDF = TOY_URDF.split('  <joint name="slide_right"')[0].replace('name
 
 
 @pytest.fixture(scope="module")
-def two_joint_toy(make_toy: RobotFactory) -> RobotModel:
+def two_joint_toy(make_toy: RobotFactory) -> Robot:
     left, right = TOY_ROBOT["pads"]
     return make_toy(ONE_FINGER_URDF, pads=[left, right | {"link": "loose"}])
 
 
 @pytest.fixture(scope="module", params=[*ROBOTS, *CURVED])
-def robot(request: pytest.FixtureRequest) -> RobotModel:
+def robot(request: pytest.FixtureRequest) -> Robot:
     """Each robot, mounted askew."""
-    model: RobotModel = request.getfixturevalue(request.param)
+    model: Robot = request.getfixturevalue(request.param)
     return model.mounted(Pose(position=(0.1, -0.2, 0.3), rpy=(0.4, -1.1, 2.0)).matrix)
 
 
-def configuration(robot: RobotModel, posture: Array) -> Configuration:
+def configuration(robot: Robot, posture: Array) -> Configuration:
     return forward(robot, robot.model.createData(), posture)
 
 
-def link_pose(robot: RobotModel, posture: Array, link: str) -> Array:
+def link_pose(robot: Robot, posture: Array, link: str) -> Array:
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.joint_positions(posture))
     return np.asarray(data.oMf[robot.model.getFrameId(link)].homogeneous)
 
 
-def random_postures(robot: RobotModel, count: int, seed: int = 0) -> Array:
+def random_postures(robot: Robot, count: int, seed: int = 0) -> Array:
     return np.random.default_rng(seed).uniform(robot.lower, robot.upper, (count, robot.posture_size))
 
 
@@ -100,7 +100,7 @@ TABLE_4 = {
 
 @pytest.mark.paper
 @pytest.mark.parametrize("case", TABLE_4)
-def test_forward_kinematics_of_the_printed_arm_joints(gen3: RobotModel, case: int) -> None:
+def test_forward_kinematics_of_the_printed_arm_joints(gen3: Robot, case: int) -> None:
     """Table 4 in the Gen3's base frame, at `end_effector_link`; both y axes are the paper's jaw axis, base -y.
 
     (This URDF's gripper closes along x: tested below.) The sphere's and the can's centre lie on the approach axis.
@@ -111,7 +111,7 @@ def test_forward_kinematics_of_the_printed_arm_joints(gen3: RobotModel, case: in
     np.testing.assert_allclose(pose[:3, :3].T, axes, atol=1e-3)
 
 
-def test_the_gripper_closes_along_the_x_axis_of_the_wrist(gen3: RobotModel) -> None:
+def test_the_gripper_closes_along_the_x_axis_of_the_wrist(gen3: Robot) -> None:
     posture = random_postures(gen3, 1)[0]
     contacts = contact_kinematics(configuration(gen3, posture), np.zeros(4))
     x = link_pose(gen3, posture, "end_effector_link")[:3, 0]
@@ -119,7 +119,7 @@ def test_the_gripper_closes_along_the_x_axis_of_the_wrist(gen3: RobotModel) -> N
     np.testing.assert_allclose(contacts.normals.sum(axis=0), 0.0, atol=1e-9)
 
 
-def test_posture_map_of_the_gripper(gen3: RobotModel) -> None:
+def test_posture_map_of_the_gripper(gen3: Robot) -> None:
     """All six finger joints follow one synergy with multipliers of +-1."""
     posture = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.25])
     q = gen3.joints_by_name(posture)
@@ -134,7 +134,7 @@ def test_posture_map_of_the_gripper(gen3: RobotModel) -> None:
     np.testing.assert_array_equal(np.abs(gen3.synergies), 1.0)
 
 
-def test_mimic_multiplier_and_offset(toy: RobotModel) -> None:
+def test_mimic_multiplier_and_offset(toy: Robot) -> None:
     assert toy.joints_by_name(np.array([0.3, 0.04])) == pytest.approx(
         {"shoulder": 0.3, "slide_left": 0.04, "slide_right": 1.25 * 0.04 + 0.002}
     )
@@ -142,7 +142,7 @@ def test_mimic_multiplier_and_offset(toy: RobotModel) -> None:
     np.testing.assert_allclose(toy.upper, [1.5, 0.06])
 
 
-def test_continuous_joints_are_reported_within_one_turn(gen3: RobotModel) -> None:
+def test_continuous_joints_are_reported_within_one_turn(gen3: Robot) -> None:
     for posture in random_postures(gen3, 20):
         q = gen3.joints_by_name(posture)
         assert all(-math.pi < q[f"joint_{i}"] <= math.pi for i in (1, 3, 5, 7))
@@ -165,7 +165,7 @@ def test_a_continuous_joint_with_limits_of_its_own_is_not_wrapped(make_toy: Robo
     assert (bound.lower[0], bound.upper[0]) == (0.5, 5.0)
 
 
-def test_a_pickled_robot_is_the_same_robot(robot: RobotModel) -> None:
+def test_a_pickled_robot_is_the_same_robot(robot: Robot) -> None:
     copy = pickle.loads(pickle.dumps(robot))
     assert copy.joint_names == robot.joint_names
     for posture in random_postures(robot, 3):
@@ -179,7 +179,7 @@ def test_a_pickled_robot_is_the_same_robot(robot: RobotModel) -> None:
 @example(roll=0.3, pitch=math.pi / 2, yaw=-0.8)
 @example(roll=-0.7, pitch=-math.pi / 2, yaw=2.5)
 @given(roll=st.floats(-3.1, 3.1), pitch=st.floats(-math.pi / 2, math.pi / 2), yaw=st.floats(-3.1, 3.1))
-def test_mounting_moves_everything(toy: RobotModel, roll: float, pitch: float, yaw: float) -> None:
+def test_mounting_moves_everything(toy: Robot, roll: float, pitch: float, yaw: float) -> None:
     T = Pose(position=(0.4, -0.1, 0.2), rpy=(roll, pitch, yaw)).matrix
     mounted = toy.mounted(T)
     posture = np.array([0.5, 0.02])
@@ -188,12 +188,12 @@ def test_mounting_moves_everything(toy: RobotModel, roll: float, pitch: float, y
     check_moved_solids(toy, mounted, T, posture)
 
 
-def test_mounting_moves_the_hulls_of_the_arm(gen3: RobotModel) -> None:
+def test_mounting_moves_the_hulls_of_the_arm(gen3: Robot) -> None:
     T = Pose(position=(0.4, -0.1, 0.2), rpy=(0.0, math.pi / 2, 0.0)).matrix
     check_moved_solids(gen3, gen3.mounted(T), T, random_postures(gen3, 1)[0])
 
 
-def check_moved_solids(robot: RobotModel, mounted: RobotModel, T: Array, posture: Array) -> None:
+def check_moved_solids(robot: Robot, mounted: Robot, T: Array, posture: Array) -> None:
     here, there = configuration(robot, posture), configuration(mounted, posture)
     for before, after in zip(link_solids(robot), link_solids(mounted), strict=True):
         assert before.name == after.name
@@ -207,7 +207,7 @@ def placed(configuration: Configuration, solid: Any) -> Array:
 
 
 @pytest.fixture(scope="module")
-def sliding_toy(make_toy: RobotFactory) -> RobotModel:
+def sliding_toy(make_toy: RobotFactory) -> Robot:
     """The toy with an arm joint that slides along an oblique axis."""
     urdf = TOY_URDF.replace('name="shoulder" type="revolute"', 'name="shoulder" type="prismatic"')
     return make_toy(urdf.replace('<axis xyz="0 1 0"/>', '<origin xyz="0.1 0 0" rpy="0.3 0 0"/><axis xyz="0.6 0 0.8"/>'))
@@ -216,7 +216,7 @@ def sliding_toy(make_toy: RobotFactory) -> RobotModel:
 @pytest.mark.parametrize("name", [*ROBOTS, "sliding_toy"])
 def test_poses_of_many_arm_configurations(name: str, request: pytest.FixtureRequest) -> None:
     """Wrist and every link, the hand held still, against Pinocchio."""
-    model: RobotModel = request.getfixturevalue(name)
+    model: Robot = request.getfixturevalue(name)
     robot = model.mounted(Pose(position=(0.1, -0.2, 0.3), rpy=(0.4, -1.1, 2.0)).matrix)
     postures = random_postures(robot, 20)
     postures[:, robot.arm_size :] = synergies = postures[0, robot.arm_size :]
@@ -237,7 +237,7 @@ def test_poses_of_many_arm_configurations(name: str, request: pytest.FixtureRequ
 # ---- contacts
 
 
-def contact_parameters(robot: RobotModel, seed: int) -> Array:
+def contact_parameters(robot: Robot, seed: int) -> Array:
     return random_parameters(robot, np.random.default_rng(seed))
 
 
@@ -247,7 +247,7 @@ def turned(angle: float, first: Array, second: Array) -> tuple[Array, Array]:
     return c * first + s * second, c * second - s * first
 
 
-def test_contact_points_lie_on_the_described_patches(robot: RobotModel) -> None:
+def test_contact_points_lie_on_the_described_patches(robot: Robot) -> None:
     posture, parameters = random_postures(robot, 1, seed=4)[0], contact_parameters(robot, 4)
     contacts = contact_kinematics(configuration(robot, posture), parameters)
     rest = iter(parameters)
@@ -271,7 +271,7 @@ def test_contact_points_lie_on_the_described_patches(robot: RobotModel) -> None:
     assert not list(rest)
 
 
-def test_hand_jacobians_are_those_of_pinocchio(robot: RobotModel) -> None:
+def test_hand_jacobians_are_those_of_pinocchio(robot: Robot) -> None:
     posture, parameters = random_postures(robot, 1, seed=5)[0], contact_parameters(robot, 5)
     contacts = contact_kinematics(configuration(robot, posture), parameters)
     model, data = robot.model, robot.model.createData()
@@ -287,7 +287,7 @@ def test_hand_jacobians_are_those_of_pinocchio(robot: RobotModel) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_derivatives_of_contacts(robot: RobotModel, seed: int) -> None:
+def test_derivatives_of_contacts(robot: Robot, seed: int) -> None:
     size = robot.posture_size
     x = np.concatenate([random_postures(robot, 1, seed)[0], contact_parameters(robot, seed)])
 
@@ -308,7 +308,7 @@ def test_derivatives_of_contacts(robot: RobotModel, seed: int) -> None:
 # ---- hulls
 
 
-def test_hulls_contain_the_meshes_and_nothing_that_the_meshes_do_not_span(gen3_hulls: RobotModel) -> None:
+def test_hulls_contain_the_meshes_and_nothing_that_the_meshes_do_not_span(gen3_hulls: Robot) -> None:
     """Vertices as trimesh reads them lie within every facet; corners of the hull are vertices of the mesh."""
     geometry = pin.buildGeomFromUrdfString(gen3_hulls.model, gen3_hulls.urdf.xml, pin.GeometryType.COLLISION)
     solids = link_solids(gen3_hulls)
@@ -347,7 +347,7 @@ def test_a_scaled_mesh_is_scaled_once(make_toy: RobotFactory, tmp_path: Any) -> 
     np.testing.assert_allclose(np.ptp(points, axis=0), [0.01, 0.04, 0.12], atol=1e-7)
 
 
-def test_bounding_spheres_contain_their_bodies(gen3: RobotModel, toy: RobotModel) -> None:
+def test_bounding_spheres_contain_their_bodies(gen3: Robot, toy: Robot) -> None:
     for robot in (gen3, toy):
         for solid in link_solids(robot):
             if isinstance(solid.shape, coal.Box):
@@ -367,16 +367,16 @@ TIGHT = {"min": (-0.15, -0.3, -0.2), "max": (0.25, 0.3, 0.4)}
 """For the toy: walls within reach on both sides."""
 
 
-def with_object_at(scene: SceneDescription, task: str, position: Array, **changes: Any) -> SceneDescription:
+def with_object_at(scene: Scene, task: str, position: Array, **changes: Any) -> Scene:
     content = scene.model_dump() | changes
     content["objects"][scene.task(task).object]["pose"]["position"] = tuple(float(v) for v in position)
-    return SceneDescription.model_validate(content)
+    return Scene.model_validate(content)
 
 
 class Bench:
     """A collision model with a posture at which one link has a wanted distance from the object."""
 
-    def __init__(self, robot: RobotModel, scene: SceneDescription, task: str, link: str, seed: int) -> None:
+    def __init__(self, robot: Robot, scene: Scene, task: str, link: str, seed: int) -> None:
         self.scene, self.task, self.link = scene, task, link
         self.robot = robot.mounted(scene.mounting.matrix)
         self.data = self.robot.model.createData()
@@ -418,7 +418,7 @@ CASES = [("gen3", "robotiq_85_left_finger_link", 1), ("gen3", "bracelet_link", 2
 
 
 @pytest.fixture(scope="module", params=CASES, ids=lambda case: f"{case[0]}-{case[1]}")
-def bench(request: pytest.FixtureRequest, glovebox: SceneDescription, make_toy_scene: SceneFactory) -> Bench:
+def bench(request: pytest.FixtureRequest, glovebox: Scene, make_toy_scene: SceneFactory) -> Bench:
     name, link, seed = request.param
     scene, task = (make_toy_scene(enclosure=WIDE), "ball") if name == "toy" else (glovebox, "sphere")
     return Bench(request.getfixturevalue(name), scene, task, link, seed)
@@ -432,7 +432,7 @@ def test_distances_and_gradients_apart_touching_and_penetrating(bench: Bench, di
     check_gradients(bench.model, bench.robot, bench.posture, bench.index)
 
 
-def check_gradients(model: CollisionModel, robot: RobotModel, posture: Array, wanted: int | None = None) -> int:
+def check_gradients(model: CollisionModel, robot: Robot, posture: Array, wanted: int | None = None) -> int:
     here = model.distances(configuration(robot, posture))
     assert np.isfinite(here.values).all()
     assert np.isfinite(here.gradients).all()
@@ -516,9 +516,7 @@ def test_pairs_left_out_are_beyond_reach(sphere_task: TaskModel) -> None:
     assert left_out > 100
 
 
-def test_distances_do_not_depend_on_the_query_before(
-    gen3: RobotModel, glovebox: SceneDescription, sphere_task: TaskModel
-) -> None:
+def test_distances_do_not_depend_on_the_query_before(gen3: Robot, glovebox: Scene, sphere_task: TaskModel) -> None:
     robot = sphere_task.robot
     fresh = collision_model(robot, glovebox, "sphere")
     postures = random_postures(robot, 6, seed=2)
@@ -531,7 +529,7 @@ def test_distances_do_not_depend_on_the_query_before(
 
 
 @pytest.fixture(scope="module")
-def tight_toy_task(toy: RobotModel, make_toy_scene: SceneFactory) -> TaskModel:
+def tight_toy_task(toy: Robot, make_toy_scene: SceneFactory) -> TaskModel:
     """Walls within reach on both sides and a post beside the arm."""
     post = {"shape": {"type": "box", "size": [0.02, 0.02, 0.1]}, "pose": {"position": [0.1, 0.04, 0.2]}}
     return TaskModel(toy, make_toy_scene(enclosure=TIGHT, obstacles={"post": post}), "ball")

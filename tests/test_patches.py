@@ -15,14 +15,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
-from pinograsp import InputError, RobotModel, load_robot
-from pinograsp.descriptions import SceneDescription, schema
+from pinograsp import InputError, Robot, load_robot
+from pinograsp.descriptions import Scene, schema
 from pinograsp.descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch, SpherePatch
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.geometry.patches import above, patch_point
 from pinograsp.kinematics.contacts import contact_kinematics
 from pinograsp.kinematics.forward import forward
-from pinograsp.kinematics.robot import SLIDE, SLIP, TURN
+from pinograsp.kinematics.robot import SLIDE_STEP, SLIP_STEP, TURN_STEP
 from pinograsp.verification.contacts import Pads
 from pinograsp.verification.kinematics import Kinematics, parsed
 from pinograsp.verification.patches import nearest_on_patch
@@ -149,11 +149,11 @@ def test_above(place: tuple[Patch, Array], height: float) -> None:
 
 
 def test_a_link_inside_its_curved_pad_has_no_distance_to_the_object(
-    gen3: RobotModel, curved_gen3: RobotModel, glovebox: SceneDescription
+    gen3: Robot, curved_gen3: Robot, glovebox: Scene
 ) -> None:
     """A ball or a rod of 1 m that holds a finger tip bounds it as a plane does; one of 40 mm does not hold it."""
 
-    def against_object(robot: RobotModel) -> set[str]:
+    def against_object(robot: Robot) -> set[str]:
         model = collision_model(robot, glovebox, "sphere")
         return {pair.link for pair in model.pairs if pair.kind == "object clearance"}
 
@@ -238,7 +238,7 @@ def test_judgement_of_no_point(kind: str, bad: float) -> None:
 @pytest.mark.parametrize("name", ["curved_gen3", "mixed_toy", "paper"])
 def test_judgement_agrees_with_the_model_on_whole_robots(name: str, request: pytest.FixtureRequest) -> None:
     """Contact points and normals of the model, judged with link poses that the verification computes itself."""
-    robot: RobotModel = request.getfixturevalue(name)
+    robot: Robot = request.getfixturevalue(name)
     description, rng = robot.description, np.random.default_rng(3)
     kinematics = Kinematics(parsed(read_urdf(description), description.urdf_file), description.urdf_file)
     for _ in range(5):
@@ -308,14 +308,14 @@ def test_whole_turns_are_allowed() -> None:
             assert nearest_on_patch(patch, np.array(point))[0] == pytest.approx(0.02 - patch.radius, abs=1e-8)
 
 
-def test_parameters_of_a_robot_follow_its_pads(mixed_toy: RobotModel, paper: RobotModel) -> None:
+def test_parameters_of_a_robot_follow_its_pads(mixed_toy: Robot, paper: Robot) -> None:
     assert [pad.parameters for pad in mixed_toy.pads] == [slice(0, 1), slice(1, 3)]
     assert mixed_toy.parameter_limits.tolist() == [[-0.015, 0.01], [-0.5, 0.6], [0.1, 0.5]]
     assert [pad.parameters for pad in paper.pads] == [slice(0, 1), slice(1, 2)]
 
 
-def test_units_of_steps(mixed_toy: RobotModel) -> None:
+def test_units_of_steps(mixed_toy: Robot) -> None:
     """A unit of every contact parameter moves the contact as far in the middle of the pad."""
     radius, middle = 0.02, 0.3
-    expected = [TURN, SLIDE, SLIP, SLIP / (radius * math.cos(middle)), SLIP / radius]
+    expected = [TURN_STEP, SLIDE_STEP, SLIP_STEP, SLIP_STEP / (radius * math.cos(middle)), SLIP_STEP / radius]
     np.testing.assert_allclose(mixed_toy.step_units, expected)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from places import changed
 
-from pinograsp import InputError, Progress, Result, RobotModel, SolverOptions, build_database, plan, write_json
+from pinograsp import InputError, Progress, Result, Robot, SolverOptions, build_database, plan, write_json
 from pinograsp.database import build, sampling
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.problem import TaskModel
 from pinograsp.verification import Certificate, Claim, Verifier
 
@@ -28,7 +28,7 @@ class Run:
 
 
 @pytest.fixture(scope="module")
-def runs(gen3: RobotModel, glovebox: SceneDescription) -> dict[int, Run]:
+def runs(gen3: Robot, glovebox: Scene) -> dict[int, Run]:
     """The same run with one, two and three workers."""
 
     def run(workers: int) -> Run:
@@ -58,7 +58,7 @@ def test_the_number_of_workers_changes_nothing(runs: dict[int, Run], workers: in
     assert content(runs[workers].result, tmp_path) == content(runs[1].result, tmp_path)
 
 
-def test_another_seed_gives_other_grasps(gen3: RobotModel, glovebox: SceneDescription, result: Result) -> None:
+def test_another_seed_gives_other_grasps(gen3: Robot, glovebox: Scene, result: Result) -> None:
     other = plan(gen3, glovebox, "sphere", starts=4, workers=1, seed=1)
     postures = np.array([grasp.q_arm for grasp in result.grasps])
     again = [np.abs(postures - grasp.q_arm).max(axis=1).min() < 1e-3 for grasp in other.grasps]
@@ -70,12 +70,12 @@ def test_good_grasps_of_the_sphere(result: Result) -> None:
     least = result.ranked("U")[0]
     assert least.cost.U <= 2.180  # the paper's best: 2.178
     assert least.cost.phi_mm2 < 1e-3
-    assert result.reliable >= 0.85 * STARTS
+    assert result.verified >= 0.85 * STARTS
     assert result.refuted == 0
 
 
 def test_good_grasps_with_the_hand_of_the_paper(
-    paper: RobotModel, glovebox: SceneDescription, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    paper: Robot, glovebox: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A composed robot with one contact parameter a finger, from a small database."""
     for module in (build, sampling):
@@ -91,7 +91,7 @@ def test_good_grasps_with_the_hand_of_the_paper(
     assert result.best.joints.keys() >= {"joint_7", "left_shoulder", "right_knuckle"}
 
 
-def test_good_grasps_with_curved_pads(curved_gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_good_grasps_with_curved_pads(curved_gen3: Robot, glovebox: Scene) -> None:
     """A cylinder and a sphere, from the same database: it belongs to the arm. The check judges both by itself.
 
     Below V* of two opposite contacts: pads that are not parallel may hold the sphere a little from below. The pads
@@ -106,15 +106,15 @@ def test_good_grasps_with_curved_pads(curved_gen3: RobotModel, glovebox: SceneDe
 def test_counts_add_up(result: Result) -> None:
     assert result.done == result.starts == STARTS
     assert not result.interrupted
-    assert sum(grasp.count for grasp in result.grasps) == result.reliable
-    assert result.reliable + sum(blocked.starts for blocked in result.blocked.values()) == STARTS
-    assert result.counts["converged"] + result.counts["feasible"] == result.reliable + result.refuted
+    assert sum(grasp.count for grasp in result.grasps) == result.verified
+    assert result.verified + sum(blocked.starts for blocked in result.blocked.values()) == STARTS
+    assert result.counts["converged"] + result.counts["feasible"] == result.verified + result.refuted
     starts = [grasp.start for grasp in result.grasps]
     assert len(set(starts)) == len(starts)
     assert set(starts) <= set(range(STARTS))
 
 
-def test_grasps_are_verified_and_ordered(result: Result, glovebox: SceneDescription) -> None:
+def test_grasps_are_verified_and_ordered(result: Result, glovebox: Scene) -> None:
     assert result.grasps == result.ranked()
     assert result.best is result.grasps[0]
     k = glovebox.tasks["sphere"].force_weight
@@ -126,7 +126,7 @@ def test_grasps_are_verified_and_ordered(result: Result, glovebox: SceneDescript
         assert grasp.cost.phi_mm2 == pytest.approx(1e6 * miss, rel=1e-9)
 
 
-def test_contact_forces_carry_the_weight(result: Result, glovebox: SceneDescription) -> None:
+def test_contact_forces_carry_the_weight(result: Result, glovebox: Scene) -> None:
     scene_object = glovebox.objects["sphere"]
     wrench = np.array(glovebox.tasks["sphere"].wrench.force)
     for grasp in result.grasps:
@@ -160,13 +160,13 @@ def test_progress_counts_every_start(runs: dict[int, Run], workers: int) -> None
     result, seen = runs[workers].result, runs[workers].progress
     assert [progress.done for progress in seen] == list(range(1, STARTS + 1))
     assert {progress.total for progress in seen} == {STARTS}
-    assert seen[-1].reliable == result.reliable
+    assert seen[-1].verified == result.verified
     assert seen[-1].best_U == result.ranked("U")[0].cost.U
     bests = [progress.best_U for progress in seen]
     assert bests == sorted(bests, reverse=True)
 
 
-def test_interruption_keeps_what_is_done(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_interruption_keeps_what_is_done(gen3: Robot, glovebox: Scene) -> None:
     def interrupt(progress: object) -> None:
         if isinstance(progress, Progress) and progress.done == 5:
             raise KeyboardInterrupt
@@ -177,7 +177,7 @@ def test_interruption_keeps_what_is_done(gen3: RobotModel, glovebox: SceneDescri
     assert result.best is not None
 
 
-def test_other_exceptions_of_the_callback_are_not_swallowed(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_other_exceptions_of_the_callback_are_not_swallowed(gen3: Robot, glovebox: Scene) -> None:
     def fail(progress: object) -> None:
         if isinstance(progress, Progress):
             raise ZeroDivisionError
@@ -186,7 +186,7 @@ def test_other_exceptions_of_the_callback_are_not_swallowed(gen3: RobotModel, gl
         plan(gen3, glovebox, "sphere", starts=9, workers=2, progress=fail)
 
 
-def test_cobyla(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_cobyla(gen3: Robot, glovebox: Scene) -> None:
     options = SolverOptions(algorithm="LN_COBYLA", max_evaluations=60)
     result = plan(gen3, glovebox, "sphere", starts=3, workers=1, options=options)
     assert result.done == 3
@@ -210,21 +210,21 @@ def refuting(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("refuting")
-def test_refuted_grasps_are_not_reliable(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_refuted_grasps_are_not_reliable(gen3: Robot, glovebox: Scene) -> None:
     result = plan(gen3, glovebox, "sphere", starts=6, workers=1)
     assert result.best is None
-    assert result.reliable == 0
+    assert result.verified == 0
     assert result.refuted == result.counts["converged"] + result.counts["feasible"] > 0
     blocked = result.blocked["check of enclosure clearance"]
     assert blocked.starts == result.refuted
     assert blocked.nearest_miss == pytest.approx(0.003)
 
 
-def test_task_that_does_not_exist(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_task_that_does_not_exist(gen3: Robot, glovebox: Scene) -> None:
     with pytest.raises(InputError, match=r"no task 'spere'.*Did you mean sphere"):
         plan(gen3, glovebox, "spere")
 
 
 @pytest.mark.usefixtures("runs")
-def test_robot_is_left_as_it_was(gen3: RobotModel) -> None:
+def test_robot_is_left_as_it_was(gen3: Robot) -> None:
     np.testing.assert_array_equal(gen3.T_world_root, np.eye(4))

@@ -13,15 +13,15 @@ import pytest
 import yaml
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
-from pinograsp import Cone, InputError, Result, RobotModel, SolverOptions, plan
+from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
 from pinograsp.database import Database, build_database
-from pinograsp.descriptions import SceneDescription
-from pinograsp.descriptions.scene import ApproachDescription, Pose
+from pinograsp.descriptions import Scene
+from pinograsp.descriptions.scene import ApproachCone, Pose
 from pinograsp.problem import GraspProblem, TaskModel, Violation
 from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp
 from pinograsp.solve import LocalSolver, starts_near
-from pinograsp.solve.starts import SLACK
+from pinograsp.solve.starts import RANGE_SLACK
 from pinograsp.verification import Certificate, Claim, Verifier
 from pinograsp.verification.preferences import approach_figure, ranges_figure
 
@@ -30,14 +30,14 @@ DOWN = {"direction": (0.0, 0.0, -1.0), "angle": 0.3}
 KNUCKLE = "robotiq_85_left_knuckle_joint"
 
 
-def preferring(scene: SceneDescription, **keys: Any) -> SceneDescription:
+def preferring(scene: Scene, **keys: Any) -> Scene:
     """Return the glovebox with keys of the task replaced."""
     content = scene.model_dump()
     content["tasks"]["sphere"] |= keys
-    return SceneDescription.model_validate(content)
+    return Scene.model_validate(content)
 
 
-def approach_of(grasp: Grasp, robot: RobotModel, scene: SceneDescription) -> Array:
+def approach_of(grasp: Grasp, robot: Robot, scene: Scene) -> Array:
     """Return the wrist's z axis at a grasp, world, by Pinocchio from the URDF as it is on disk."""
     model = pin.buildModelFromUrdf(str(robot.description.urdf_file))
     q = pin.neutral(model)
@@ -50,7 +50,7 @@ def approach_of(grasp: Grasp, robot: RobotModel, scene: SceneDescription) -> Arr
     return np.asarray(scene.mounting.matrix[:3, :3] @ wrist)
 
 
-def check(grasp: Grasp, robot: RobotModel, scene: SceneDescription) -> Certificate:
+def check(grasp: Grasp, robot: Robot, scene: Scene) -> Certificate:
     """Return what the verification says of a grasp in another task."""
     points, forces = (np.array([getattr(c, name) for c in grasp.contacts]) for name in ("point", "force"))
     claim = Claim(grasp.joints, points, forces, np.zeros(len(points)))
@@ -58,23 +58,21 @@ def check(grasp: Grasp, robot: RobotModel, scene: SceneDescription) -> Certifica
 
 
 @pytest.fixture(scope="module")
-def free(gen3: RobotModel, glovebox: SceneDescription) -> Result:
+def free(gen3: Robot, glovebox: Scene) -> Result:
     """Grasps of the task that prefers nothing."""
     return plan(gen3, glovebox, "sphere", starts=STARTS, workers=1)
 
 
 @pytest.fixture(scope="module")
-def from_above(gen3: RobotModel, glovebox: SceneDescription) -> Result:
+def from_above(gen3: Robot, glovebox: Scene) -> Result:
     return plan(gen3, preferring(glovebox, approach=DOWN), "sphere", starts=STARTS, workers=1)
 
 
 # ---- the cone
 
 
-def test_grasps_are_within_the_cone(
-    from_above: Result, free: Result, gen3: RobotModel, glovebox: SceneDescription
-) -> None:
-    assert from_above.reliable >= 0.85 * STARTS
+def test_grasps_are_within_the_cone(from_above: Result, free: Result, gen3: Robot, glovebox: Scene) -> None:
+    assert from_above.verified >= 0.85 * STARTS
     assert from_above.refuted == 0
     for grasp in from_above.grasps:
         angle = math.acos(-approach_of(grasp, gen3, glovebox)[2])
@@ -90,7 +88,7 @@ def test_grasps_are_within_the_cone(
 
 @pytest.mark.parametrize(("off", "angle"), [(0.2, 0.2001), (0.2, 0.1999)])
 def test_a_grasp_outside_the_cone_is_refuted(
-    free: Result, gen3: RobotModel, glovebox: SceneDescription, off: float, angle: float
+    free: Result, gen3: Robot, glovebox: Scene, off: float, angle: float
 ) -> None:
     [grasp] = free.grasps[:1]
     cone = {"direction": tilted(approach_of(grasp, gen3, glovebox), off), "angle": angle}
@@ -108,25 +106,25 @@ def tilted(z: Array, off: float) -> tuple[float, ...]:
 @pytest.mark.parametrize("off", [0.0, 1e-7, 1e-3, 1.0, 3.0, math.pi])
 def test_the_angle_of_the_certificate_is_exact(off: float) -> None:
     T = Pose(position=(1.0, 2.0, 3.0), rpy=(0.3, 0.5, -0.7)).matrix
-    wanted = ApproachDescription(direction=tilted(T[:3, 2], off), angle=1.0)
+    wanted = ApproachCone(direction=tilted(T[:3, 2], off), angle=1.0)
     assert approach_figure(wanted, np.eye(4), T, "wrist").value == pytest.approx(off, rel=1e-8, abs=1e-15)
-    local = ApproachDescription(direction=tilted(np.array([0.0, 0.0, 1.0]), off), angle=1.0, frame="object")
+    local = ApproachCone(direction=tilted(np.array([0.0, 0.0, 1.0]), off), angle=1.0, frame="object")
     assert approach_figure(local, T, T, "wrist").value == pytest.approx(off, rel=1e-8, abs=1e-15)
 
 
-def test_a_direction_may_be_given_in_the_frame_of_the_object(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_direction_may_be_given_in_the_frame_of_the_object(gen3: Robot, glovebox: Scene) -> None:
     content = glovebox.model_dump()
     content["objects"]["sphere"]["pose"]["rpy"] = (math.pi / 2, 0.0, 0.0)  # its y is the world's z
     content["tasks"]["sphere"] |= {"desired_contacts": ((0.0, 0.0, 0.0373), (0.0, 0.0, -0.0373))}
     content["tasks"]["sphere"] |= {"approach": {"direction": (0.0, -1.0, 0.0), "angle": 0.3, "frame": "object"}}
-    turned = SceneDescription.model_validate(content)
+    turned = Scene.model_validate(content)
     result = plan(gen3, turned, "sphere", starts=4, workers=1)
-    assert result.reliable >= 3
+    assert result.verified >= 3
     assert all(approach_of(grasp, gen3, glovebox)[2] < -math.cos(0.3) for grasp in result.grasps)
 
 
 @pytest.mark.parametrize("angle", [1e-3, 0.1, 1.0, 2.0, math.pi])
-def test_membership_is_rad_like(gen3: RobotModel, glovebox: SceneDescription, angle: float) -> None:
+def test_membership_is_rad_like(gen3: Robot, glovebox: Scene, angle: float) -> None:
     """Zero at the border, positive inside, slope one across the border (of the chord, for wide cones)."""
     x = np.array([0.3, 0.5, -0.4, 1.2, 0.7, 0.6, -0.2, 0.1, 0.0, 0.0, 0.0, 0.0])
     problem = GraspProblem(TaskModel(gen3, glovebox, "sphere"), (0, 1))
@@ -154,7 +152,7 @@ def wrist(problem: GraspProblem, x: Array) -> Array:
     return np.array(data.oMf[robot.wrist_frame].rotation[:, 2])
 
 
-def test_a_cone_that_the_arm_cannot_keep_is_named(gen3: RobotModel, make_toy_scene: SceneFactory, toy: Any) -> None:
+def test_a_cone_that_the_arm_cannot_keep_is_named(gen3: Robot, make_toy_scene: SceneFactory, toy: Any) -> None:
     """The toy's only arm joint turns its wrist in the plane of x and z: it never points along y."""
     task = TOY_SCENE["tasks"]["ball"] | {"approach": {"direction": [0, 1, 0], "angle": 1.0}}
     model = TaskModel(toy, make_toy_scene(tasks={"ball": task}), "ball")
@@ -170,14 +168,14 @@ def test_a_cone_that_the_arm_cannot_keep_is_named(gen3: RobotModel, make_toy_sce
 
 
 @pytest.fixture(scope="module")
-def ranged(gen3: RobotModel, glovebox: SceneDescription) -> Result:
+def ranged(gen3: Robot, glovebox: Scene) -> Result:
     ranges = {"joint_7": (3.0, 3.6), "joint_6": (-3.0, 0.5), KNUCKLE: (0.05, 0.5)}
     return plan(gen3, preferring(glovebox, joint_ranges=ranges), "sphere", starts=STARTS, workers=1)
 
 
 def test_joints_are_in_their_ranges_up_to_whole_turns(ranged: Result) -> None:
     """joint_7 is continuous, its range goes beyond pi: reported angles are within (-pi, pi] and keep it."""
-    assert ranged.reliable >= 0.5 * STARTS
+    assert ranged.verified >= 0.5 * STARTS
     assert ranged.refuted == 0
     for grasp in ranged.grasps:
         assert -math.pi < grasp.joints["joint_7"] <= math.pi
@@ -188,7 +186,7 @@ def test_joints_are_in_their_ranges_up_to_whole_turns(ranged: Result) -> None:
     assert any(grasp.joints["joint_7"] < 0 for grasp in ranged.grasps)
 
 
-def test_a_grasp_outside_a_range_is_refuted(free: Result, gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_grasp_outside_a_range_is_refuted(free: Result, gen3: Robot, glovebox: Scene) -> None:
     [grasp] = free.grasps[:1]
     angle, limited = (grasp.joints[name] for name in ("joint_5", "joint_4"))
     for ranges, depth in (
@@ -223,7 +221,7 @@ def test_whole_turns_count_for_limited_joints_only(low: float, high: float, free
     assert ranges_figure(ranges, angles, set()).value == pytest.approx(held)
 
 
-def test_bounds_are_ranges_within_the_limits(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_bounds_are_ranges_within_the_limits(gen3: Robot, glovebox: Scene) -> None:
     ranges = {"joint_1": (3.0, 3.6), "joint_3": (-40.0, -39.0), "joint_5": (1.0, 8.0), "joint_6": (-9.0, 1.0)}
     model = TaskModel(gen3, preferring(glovebox, joint_ranges=ranges | {KNUCKLE: (0.1, 0.2)}), "sphere")
     problem = GraspProblem(model, (0, 1))
@@ -248,7 +246,7 @@ def test_bounds_are_ranges_within_the_limits(gen3: RobotModel, glovebox: SceneDe
     ],
 )
 def test_range_that_does_not_suit_the_robot(
-    gen3: RobotModel, glovebox: SceneDescription, name: str, interval: tuple[float, float], words: list[str]
+    gen3: Robot, glovebox: Scene, name: str, interval: tuple[float, float], words: list[str]
 ) -> None:
     with pytest.raises(InputError) as caught:
         TaskModel(gen3, preferring(glovebox, joint_ranges={name: interval}), "sphere")
@@ -258,7 +256,7 @@ def test_range_that_does_not_suit_the_robot(
         assert word in str(caught.value)
 
 
-def test_verifier_refuses_a_range_of_no_joint(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_verifier_refuses_a_range_of_no_joint(gen3: Robot, glovebox: Scene) -> None:
     scene = preferring(glovebox, joint_ranges={"joint_8": (0.0, 1.0)})
     with pytest.raises(InputError, match=r"joint_ranges\.joint_8: the URDF has no movable joint 'joint_8'"):
         Verifier(gen3.description, scene, "sphere")
@@ -268,11 +266,11 @@ def test_verifier_refuses_a_range_of_no_joint(gen3: RobotModel, glovebox: SceneD
 
 
 @pytest.fixture(scope="module")
-def rows(gen3: RobotModel, glovebox: SceneDescription, tmp_path_factory: pytest.TempPathFactory) -> Database:
+def rows(gen3: Robot, glovebox: Scene, tmp_path_factory: pytest.TempPathFactory) -> Database:
     return build_database(gen3, glovebox, tmp_path_factory.mktemp("rows") / "rows.duckdb", size=30_000, workers=2)
 
 
-def test_starts_come_from_the_cone_and_the_ranges(rows: Database, gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_starts_come_from_the_cone_and_the_ranges(rows: Database, gen3: Robot, glovebox: Scene) -> None:
     """In the bounds as they are where there are enough; else all of those, and others that miss them by little."""
     ranges = {"joint_1": (2.5, 4.5), "joint_6": (-1.5, 0.5)}
     model = TaskModel(gen3, preferring(glovebox, approach=DOWN | {"angle": 0.5}, joint_ranges=ranges), "sphere")
@@ -285,8 +283,8 @@ def test_starts_come_from_the_cone_and_the_ranges(rows: Database, gen3: RobotMod
     kept = (beyond <= 0.0) & (off <= 0.5)
     assert 3 <= kept.sum() < len(many)
     assert kept[: kept.sum()].all()
-    assert beyond.max() <= SLACK
-    assert off.max() <= 0.5 + SLACK
+    assert beyond.max() <= RANGE_SLACK
+    assert off.max() <= 0.5 + RANGE_SLACK
 
 
 def misses(model: TaskModel, starts: Array) -> tuple[Array, Array]:
@@ -313,7 +311,7 @@ def test_starts_of_a_limited_joint_are_moved_by_whole_turns(make_toy: RobotFacto
     assert plain[:, 0].min() < -5.0
 
 
-def test_too_few_starts_are_said(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_too_few_starts_are_said(gen3: Robot, glovebox: Scene) -> None:
     """The hand cannot come from below: the object lies near the floor."""
     scene = preferring(glovebox, approach={"direction": (0.0, 0.0, 1.0), "angle": 0.1}, start_radius=0.1)
     result = plan(gen3, scene, "sphere", starts=9, workers=1)
@@ -324,7 +322,7 @@ def test_too_few_starts_are_said(gen3: RobotModel, glovebox: SceneDescription) -
 # ---- README
 
 
-def test_yaml_of_the_readme(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_yaml_of_the_readme(gen3: Robot, glovebox: Scene) -> None:
     text = (Path(__file__).parents[1] / "README.md").read_text()
     [block] = re.findall(r"```yaml\n(approach:.*?)```", text, flags=re.DOTALL)
     keys = yaml.safe_load(block)

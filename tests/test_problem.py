@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from places import Place, changed, first_grasp, project, random_starts
 
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.errors import InputError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, TaskModel, Violation, check_task
 from pinograsp.problem.problem import COST_SCALE
 from pinograsp.solve.projection import _damped_step, nearest_assignment
@@ -60,7 +60,7 @@ def test_violations_are_in_millimetres(grasp: Place) -> None:
 # ---- checks of a task
 
 
-def refused(robot: RobotModel, scene: SceneDescription, key: str) -> InputError:
+def refused(robot: Robot, scene: Scene, key: str) -> InputError:
     with pytest.raises(InputError) as caught:
         check_task(TaskModel(robot, scene, "sphere"))
     assert caught.value.file == scene.source
@@ -74,7 +74,7 @@ def test_the_shipped_task_is_accepted(sphere_task: TaskModel) -> None:
     check_task(sphere_task)
 
 
-def test_object_outside_the_enclosure(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_object_outside_the_enclosure(gen3: Robot, glovebox: Scene) -> None:
     """5.3 mm above the floor's height of -0.237 m less radius: 1.6 mm through it, then 37.3 mm outside a side wall."""
     below = changed(glovebox, "objects", pose={"position": (0.801, 0.020, -0.2013)})
     assert "1.6 mm beyond wall z=-0.237" in refused(gen3, below, "objects.sphere.pose").problem
@@ -83,18 +83,18 @@ def test_object_outside_the_enclosure(gen3: RobotModel, glovebox: SceneDescripti
 
 
 @pytest.mark.parametrize(("y", "side"), [(0.0380, "0.7 mm outside"), (0.0363, "1.0 mm inside")])
-def test_desired_contact_off_the_surface(gen3: RobotModel, glovebox: SceneDescription, y: float, side: str) -> None:
+def test_desired_contact_off_the_surface(gen3: Robot, glovebox: Scene, y: float, side: str) -> None:
     scene = changed(glovebox, "tasks", desired_contacts=((0.0, 0.0373, 0.0), (0.0, -y, 0.0)))
     assert side in refused(gen3, scene, "tasks.sphere.desired_contacts[1]").problem
 
 
-def test_one_desired_contact_for_each_pad(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_one_desired_contact_for_each_pad(gen3: Robot, glovebox: Scene) -> None:
     r = 0.0373
     scene = changed(glovebox, "tasks", desired_contacts=((0.0, r, 0.0), (0.0, -r, 0.0), (r, 0.0, 0.0)))
     assert "3 desired contacts for a hand of 2 pads" in refused(gen3, scene, "tasks.sphere.desired_contacts").problem
 
 
-def test_object_wider_than_the_jaw(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_object_wider_than_the_jaw(gen3: Robot, glovebox: Scene) -> None:
     r = 0.045
     scene = changed(glovebox, "objects", shape={"type": "sphere", "radius": r}, pose={"position": (0.8, 0.0, 0.0)})
     scene = changed(scene, "tasks", desired_contacts=((0.0, r, 0.0), (0.0, -r, 0.0)))
@@ -106,18 +106,18 @@ def test_object_wider_than_the_jaw(gen3: RobotModel, glovebox: SceneDescription)
 # ---- the hand before a grasp
 
 
-def test_the_2f85_opens_85_millimetres(gen3: RobotModel) -> None:
+def test_the_2f85_opens_85_millimetres(gen3: Robot) -> None:
     widest = widest_jaw(gen3)
     assert widest is not None
     assert 1e3 * widest == pytest.approx(85.0, abs=0.1)
 
 
-def test_widest_jaw_of_the_toy_is_the_sum_of_its_strokes(toy: RobotModel) -> None:
+def test_widest_jaw_of_the_toy_is_the_sum_of_its_strokes(toy: Robot) -> None:
     assert widest_jaw(toy) == pytest.approx(0.06 + 1.25 * 0.06 + 0.002)
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.03, 0.0746, 0.2])
-def test_preshape_holds_the_pads_as_far_apart_as_the_points(gen3: RobotModel, apart: float) -> None:
+def test_preshape_holds_the_pads_as_far_apart_as_the_points(gen3: Robot, apart: float) -> None:
     points, normals = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]]), np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
     chosen = preshape(gen3, points, normals)
     widths = {float(s[0]): np.linalg.norm(pads.points[0] - pads.points[1]) for s, pads in synergy_postures(gen3)}

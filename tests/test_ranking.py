@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pinograsp import InputError, Result, RobotModel, read_json, write_json
-from pinograsp.descriptions import SceneDescription
+from pinograsp import InputError, Result, Robot, read_json, write_json
+from pinograsp.descriptions import Scene
 from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, merge, ranking, table
 from pinograsp.results.criteria import numbers_of
 from pinograsp.results.different import JOINT, POSITION, ROTATION
@@ -56,7 +56,7 @@ def grasp(
 
 
 @pytest.fixture(scope="module")
-def setup(gen3: RobotModel, glovebox: SceneDescription) -> Setup:
+def setup(gen3: Robot, glovebox: Scene) -> Setup:
     return Setup(gen3.description, glovebox, "sphere")
 
 

@@ -140,7 +140,7 @@ def test_case_3_contacts_stay_in_the_band(gen3: Any) -> None:
     """
     scene = pinograsp.load_scene("glovebox_can")
     result = pinograsp.plan(gen3, scene, "can_region", starts=16, workers=1)
-    assert result.reliable >= 13
+    assert result.verified >= 13
     assert result.refuted == 0
     assert 2382.67 < result.ranked("U")[0].cost.U < 2384
     for grasp in result.grasps:

@@ -21,7 +21,7 @@ from paper.figures import photograph
 from paper.page import Heading, Pictures, Table, Text, write_page
 from paper.runs import Session
 from paper.store import Store, key_of
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve.backends import Program
 
@@ -48,7 +48,7 @@ def ball(toy_task: TaskModel) -> Iterator[Case]:
 
 
 @pytest.fixture(scope="module")
-def small(toy: pinograsp.RobotModel) -> list[str]:
+def small(toy: pinograsp.Robot) -> list[str]:
     """Options of a small run."""
     return ["--robots", str(toy.description.source), "--cases", "sphere", "--starts", "4", "--workers", "1"]
 
@@ -116,7 +116,7 @@ def test_other_options_are_planned_again(out: Path, small: list[str], more: tupl
 
 
 @pytest.mark.usefixtures("no_plan")
-def test_another_robot_file_is_planned_again(out: Path, small: list[str], toy: pinograsp.RobotModel) -> None:
+def test_another_robot_file_is_planned_again(out: Path, small: list[str], toy: pinograsp.Robot) -> None:
     source = toy.description.source
     changed = source.with_name("changed.yaml")
     changed.write_text(source.read_text() + "# another digest\n")
@@ -148,7 +148,7 @@ def result(out: Path) -> pinograsp.Result:
 
 
 @pytest.fixture
-def session(toy: pinograsp.RobotModel, tmp_path: Path) -> Session:
+def session(toy: pinograsp.Robot, tmp_path: Path) -> Session:
     return Session(Store(tmp_path), (toy,), tuple(CASES.values()), starts=4, seed=0, workers=1)
 
 
@@ -182,7 +182,7 @@ def test_tables_have_the_printed_rows(session: Session, result: pinograsp.Result
 
 
 @pytest.mark.paper
-def test_forces_stand_in_the_papers_frame(result: pinograsp.Result, glovebox: SceneDescription) -> None:
+def test_forces_stand_in_the_papers_frame(result: pinograsp.Result, glovebox: Scene) -> None:
     """Sim. 1 of Table 5: pads at +y and -y that carry 1 N of weight each, up to the rounding of three digits."""
     assert result.best is not None
     side, upwards = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -213,7 +213,7 @@ def test_marks_are_judged(ball: Case, result: pinograsp.Result) -> None:
     for least, most, word in ((0.0, 3.0, "reached"), (2.6, 3.0, "missed")):  # a U below what is possible is no success
         marks = dataclasses.replace(ball.marks, least_U=least, most_U=most)
         assert list(tables.judge(dataclasses.replace(ball, marks=marks), result).values())[-1] == f"{U}: {word}"
-    nothing = dataclasses.replace(result, grasps=(), reliable=0)
+    nothing = dataclasses.replace(result, grasps=(), verified=0)
     assert all(value.endswith("missed") for value in tables.judge(ball, nothing).values())
     assert "best grasp at most 0.02 mm inside the object" in tables.judge(CASES["case2"], result)
 
@@ -228,7 +228,7 @@ def test_costs_count_merged_grasps(result: pinograsp.Result) -> None:
 
 
 def test_without_a_browser_the_page_says_why(
-    toy: pinograsp.RobotModel, ball: Case, result: pinograsp.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    toy: pinograsp.Robot, ball: Case, result: pinograsp.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing(*_: object, **__: object) -> None:
         raise FileNotFoundError("none of chromium was found")
@@ -265,7 +265,7 @@ def test_attempts_table_shares_one_best() -> None:
     assert rows[1][1:4] == ("100.0 %", "0.0 %", "90")
 
 
-def test_weight_is_part_of_the_key(toy: pinograsp.RobotModel) -> None:
+def test_weight_is_part_of_the_key(toy: pinograsp.Robot) -> None:
     case = CASES["case2"]
     scene = pinograsp.load_scene(case.scene)
     heavy = sweep.with_weight(scene, case, 10.0)
@@ -338,7 +338,7 @@ def test_simple_way_runs(ball_session: Session, result: pinograsp.Result, monkey
 
 @pytest.mark.parametrize("first_pad", [0, 1])
 def test_inverse_kinematics_puts_the_pads_on_the_points(
-    gen3: pinograsp.RobotModel, sphere_task: TaskModel, first_pad: int
+    gen3: pinograsp.Robot, sphere_task: TaskModel, first_pad: int
 ) -> None:
     problem = GraspProblem(sphere_task, (first_pad, 1 - first_pad))
     line = hand_poses.lines(sphere_task)[0]
@@ -360,7 +360,7 @@ def test_inverse_kinematics_puts_the_pads_on_the_points(
         np.testing.assert_allclose(contacts.normals, inward, atol=1e-6)
 
 
-def test_lines_begin_at_the_desired_points_and_keep_to_the_region(gen3: pinograsp.RobotModel) -> None:
+def test_lines_begin_at_the_desired_points_and_keep_to_the_region(gen3: pinograsp.Robot) -> None:
     scene = pinograsp.load_scene("glovebox_can")
     free, limited = (hand_poses.lines(TaskModel(gen3, scene, task)) for task in ("can", "can_region"))
     assert free[0].phi_mm2 == pytest.approx(0.0, abs=1e-9)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 from test_verification import FINGERS, OPENING, ROOM, Case, names, scene_with
 
-from pinograsp.descriptions import SceneDescription, load_robot_description
+from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.errors import InputError
 from pinograsp.verification import Verifier, balance
 from pinograsp.verification.balance import SHARE, BalanceProblem, ContactPoints, Limits
@@ -298,13 +298,13 @@ def case() -> Case:
     return Case(robot, Verifier(robot, scene_with(enclosure=ROOM), "sphere"))
 
 
-def softened(case: Case, mu: float = 0.9, **task: Any) -> SceneDescription:
+def softened(case: Case, mu: float = 0.9, **task: Any) -> Scene:
     contact = {"friction": mu, "min_normal_force": 0.001, "max_force": 50.0}
     soft = {"model": "soft_finger", "torsion_radius": 0.006, "torsional_stiffness": 1.0}
     return case.scene(contact=contact, contact_model=soft, **task)
 
 
-def resistance(case: Case, scene: SceneDescription, **changes: Any) -> dict[str, float]:
+def resistance(case: Case, scene: Scene, **changes: Any) -> dict[str, float]:
     figures = Verifier(case.robot, scene, "sphere").resistance(replace(case.claim, **changes))
     return {figure.name: figure.value for figure in figures}
 
@@ -362,7 +362,7 @@ def test_larger_footprints_resist_more(case: Case) -> None:
     ):
         given = softened(case).model_dump()
         given["objects"]["sphere"] = {"shape": shape, "pose": pose}
-        found.append(resistance(case, SceneDescription.model_validate(given)))
+        found.append(resistance(case, Scene.model_validate(given)))
     point, line, area = (figures["Q_torque"] for figures in found)
     assert point < 0.9 * line
     assert line < 0.9 * area
@@ -375,7 +375,7 @@ def test_a_heavier_object_is_accelerated_less(case: Case) -> None:
     found = {}
     for mass in (None, 2.0 / 9.80665, 1.0):
         given["objects"]["sphere"]["mass"] = mass
-        found[mass] = resistance(case, SceneDescription.model_validate(given))
+        found[mass] = resistance(case, Scene.model_validate(given))
     assert found[None] == pytest.approx(found[2.0 / 9.80665], rel=1e-9)
     assert found[1.0]["Q_force"] == pytest.approx(found[None]["Q_force"] * 2.0 / 9.80665, rel=1e-6)
 

@@ -17,20 +17,20 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from pinograsp import InputError, Result, RobotModel, load_scene, plan, read_json, write_json
-from pinograsp.descriptions import SceneDescription, load_robot_description, shipped_robots, shipped_scenes
+from pinograsp import InputError, Result, Robot, load_scene, plan, read_json, write_json
+from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, grasp_table, merge, outcome_lines
 from pinograsp.results.provenance import provenance
 from pinograsp.verification import Certificate, Figure
 
 
 @pytest.fixture(scope="module")
-def result(gen3: RobotModel, glovebox: SceneDescription) -> Result:
+def result(gen3: Robot, glovebox: Scene) -> Result:
     return plan(gen3, glovebox, "sphere", starts=12, workers=1)
 
 
 @pytest.fixture(scope="module")
-def setup(gen3: RobotModel, glovebox: SceneDescription) -> Setup:
+def setup(gen3: Robot, glovebox: Scene) -> Setup:
     return Setup(gen3.description, glovebox, "sphere")
 
 
@@ -94,7 +94,7 @@ def test_robots_and_scenes_are_embedded_whole(robot: str, scene: str, tmp_path: 
     assert not back.altered
 
 
-def test_a_scene_made_in_python_is_embedded(gen3: RobotModel, glovebox: SceneDescription, tmp_path: Path) -> None:
+def test_a_scene_made_in_python_is_embedded(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
     """No file holds it."""
     task = glovebox.tasks["sphere"].model_copy(update={"force_weight": 0.123})
     scene = glovebox.model_copy(update={"tasks": {"mine": task}, "name": "made here"})
@@ -113,7 +113,7 @@ def test_json_of_a_result_without_grasps(setup: Setup, tmp_path: Path) -> None:
     assert back.best is None
 
 
-def test_json_says_what_the_issue_asks_for(result: Result, gen3: RobotModel, tmp_path: Path) -> None:
+def test_json_says_what_the_issue_asks_for(result: Result, gen3: Robot, tmp_path: Path) -> None:
     write_json(result, tmp_path / "result.json")
     data = json.loads((tmp_path / "result.json").read_text())
     assert data["format_version"] == FORMAT_VERSION
@@ -136,9 +136,7 @@ def test_json_says_what_the_issue_asks_for(result: Result, gen3: RobotModel, tmp
     assert all(figure["holds"] for figure in best["certificate"]["figures"])
 
 
-def test_the_wrist_is_where_the_verification_has_it(
-    result: Result, gen3: RobotModel, glovebox: SceneDescription
-) -> None:
+def test_the_wrist_is_where_the_verification_has_it(result: Result, gen3: Robot, glovebox: Scene) -> None:
     mounted = gen3.mounted(glovebox.mounting.matrix)
     data = mounted.model.createData()
     for found in result.grasps:
@@ -218,7 +216,7 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
         lambda data: data["grasps"][0]["contacts"][0].pop("pad"),
         lambda data: data["grasps"][0]["certificate"].update(figures=3),
         lambda data: data.update(blocked=[1]),
-        lambda data: data.update(reliable="many"),
+        lambda data: data.update(verified="many"),
         lambda data: data["grasps"][0]["joints"].update(joint_1=None),
         lambda data: data["grasps"][0]["cost"].update(U=10**400),
         lambda data: data["grasps"][0]["contacts"][0]["point"].pop(),
@@ -341,7 +339,7 @@ def test_nothing_to_merge() -> None:
 # Provenance.
 
 
-def test_hashes_are_those_of_the_files(result: Result, gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_hashes_are_those_of_the_files(result: Result, gen3: Robot, glovebox: Scene) -> None:
     robot = gen3.description
     files = {"robot": robot.source, "scene": glovebox.source, "urdf": robot.urdf_file, "srdf": robot.srdf_file}
     recorded = result.provenance["sha256"]
@@ -351,7 +349,7 @@ def test_hashes_are_those_of_the_files(result: Result, gen3: RobotModel, glovebo
         assert recorded[name] == hashlib.sha256(file.read_bytes()).hexdigest()
 
 
-def test_hashes_of_a_composed_robot(paper: RobotModel, glovebox: SceneDescription) -> None:
+def test_hashes_of_a_composed_robot(paper: Robot, glovebox: Scene) -> None:
     recorded = provenance(paper.description, glovebox, paper.files)["sha256"]
     folder = paper.description.source.parent
     assert set(recorded) == {"robot", "scene", "urdf", "srdf", "attach[0].urdf", "attach[0].srdf", "meshes"}
@@ -424,7 +422,7 @@ def test_words_about_the_starts(setup: Setup) -> None:
     counts = {"converged": 2, "feasible": 1, "infeasible": 7, "failed": 0}
     lines = outcome_lines(Result(setup, (), 12, counts, 2, 1, blocked, True))
     assert lines == [
-        "2 of 10 starts reliable (20.0 %); solver: 2 converged, 1 feasible, 7 infeasible",
+        "2 of 10 starts verified (20.0 %); solver: 2 converged, 1 feasible, 7 infeasible",
         "2 of 12 starts not tried: interrupted",
         "1 starts feasible for the solver, refuted by the independent check",
         "blocked by enclosure: 6 starts, nearest miss 20.7 mm (finger - wall)",

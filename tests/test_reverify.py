@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pinograsp import Difference, Result, RobotModel, Setup, cli, plan, read_json, verify, write_json
-from pinograsp.descriptions import SceneDescription, load_robot_description
+from pinograsp import Difference, Result, Robot, Setup, cli, plan, read_json, verify, write_json
+from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.descriptions.robot_files import hashes_of
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.mechanics import ContactModels, ForceLimits
@@ -29,7 +29,7 @@ Keys = tuple[str | int, ...]
 
 
 @pytest.fixture(scope="module")
-def result(gen3: RobotModel, glovebox: SceneDescription) -> Result:
+def result(gen3: Robot, glovebox: Scene) -> Result:
     return plan(gen3, glovebox, "sphere", starts=3, workers=1)
 
 
@@ -118,14 +118,14 @@ def test_a_written_result_stands(result: Result, data: dict[str, Any], reread: R
     assert verify(result) == ()  # also without a file
 
 
-def test_soft_fingers_stand(soft_gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_soft_fingers_stand(soft_gen3: Robot, glovebox: Scene) -> None:
     result = plan(soft_gen3, glovebox, "sphere", starts=2, workers=1)
     assert any(contact.spin_torque for grasp in result.grasps for contact in grasp.contacts)
     assert verify(result) == ()
 
 
 def test_a_result_without_grasps_stands(result: Result) -> None:
-    empty = dataclasses.replace(result, grasps=(), counts={"failed": 3}, reliable=0)
+    empty = dataclasses.replace(result, grasps=(), counts={"failed": 3}, verified=0)
     assert [difference.what for difference in verify(empty)] == ["sum of counts"]
 
 
@@ -260,7 +260,7 @@ def test_a_number_that_is_none_differs(value: float | None, data: dict[str, Any]
 @pytest.mark.parametrize(
     ("path", "value", "what"),
     [
-        (("reliable",), 2, "reliable"),
+        (("verified",), 2, "verified"),
         (("refuted",), 1, "refuted"),
         (("counts", "failed"), 7, "sum of counts"),
         (("starts",), 2, "starts"),
@@ -329,7 +329,7 @@ def test_the_scene_counts(path: Keys, factor: float, what: str, data: dict[str, 
 
 @pytest.mark.parametrize("soft", [False, True])
 def test_the_cost_of_forces_is_that_of_the_optimiser(
-    soft: bool, soft_gen3: RobotModel, gen3: RobotModel, glovebox: SceneDescription
+    soft: bool, soft_gen3: Robot, gen3: Robot, glovebox: Scene
 ) -> None:
     """Within the limits and beyond them, where the parabolas count."""
     rng = np.random.default_rng(5)
@@ -461,7 +461,7 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
         (json.dumps(data | {"setup": 3}), "is damaged"),
         (json.dumps(data | {"provenance": []}), "is damaged"),
         (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "is damaged"),
-        (json.dumps(data | {"reliable": -1}), "is damaged"),
+        (json.dumps(data | {"verified": -1}), "is damaged"),
     ):
         if content is not None:
             file.write_text(content)

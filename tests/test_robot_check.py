@@ -16,7 +16,7 @@ import trimesh
 import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
-from pinograsp import RobotModel, cli
+from pinograsp import Robot, cli
 from pinograsp.descriptions import load_robot_description, urdf
 from pinograsp.onboarding import Report, check_robot
 from pinograsp.visualization.pads import surface
@@ -265,7 +265,7 @@ def placed(data: dict[str, Any], posture: Array) -> dict[str, Array]:
 
 @pytest.mark.parametrize("name", ["toy", "gen3"])
 def test_sliders_move_what_is_drawn(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
-    robot: RobotModel = request.getfixturevalue(name)
+    robot: Robot = request.getfixturevalue(name)
     file = tmp_path / "page.html"
     write_robot_html(robot, [], file)
     page = file.read_text()
@@ -291,7 +291,7 @@ def test_sliders_move_what_is_drawn(name: str, request: pytest.FixtureRequest, t
     np.testing.assert_allclose(data["postures"]["middle"], 0.5 * (robot.lower + robot.upper))
 
 
-def test_surfaces_of_pads(curved_gen3: RobotModel, paper: RobotModel) -> None:
+def test_surfaces_of_pads(curved_gen3: Robot, paper: Robot) -> None:
     """Every corner of what is drawn is as far above the patch as it is lifted off it."""
     for pad in (*curved_gen3.description.pads, *paper.description.pads):
         vertices, faces = surface(pad.patch)

@@ -90,11 +90,11 @@ def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path, small_batc
     ]
     result = plans(file, tmp_path)
     assert result.best is not None
-    assert result.reliable >= 8
+    assert result.verified >= 8
     assert result.refuted == 0
 
 
-def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.RobotModel, small_batches: None) -> None:
+def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.Robot, small_batches: None) -> None:
     file = tmp_path / "my_gen3" / "robot.yaml"
     text, _ = new_robot_file(GEN3, file)
     write_new(text, file)
@@ -112,7 +112,7 @@ def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.RobotMod
         np.testing.assert_allclose(mine.patch.parameters, theirs.patch.parameters, atol=2.5e-3)
     file.write_text(f"{text}\ncollision: {{pieces: 1}}\n")  # only quicker than the pieces that it has without
     result = plans(file, tmp_path)
-    assert result.reliable >= 8
+    assert result.verified >= 8
     assert result.refuted == 0
 
 
@@ -123,7 +123,7 @@ def test_the_file_as_it_is_plans_most_starts(urdf: str, name: str, tmp_path: Pat
     write_new(new_robot_file(urdf, file)[0], file)
     robot, scene = pinograsp.load_robot(file), pinograsp.load_scene("glovebox")
     result = pinograsp.plan(robot, scene, "sphere", starts=60, workers=2)
-    assert result.reliable >= 36
+    assert result.verified >= 36
     assert result.refuted == 0
 
 
@@ -180,7 +180,7 @@ def written(file: Path, text: str = TOY_URDF) -> Path:
     return file
 
 
-def loaded(urdf: Path, output: Path, **options: object) -> tuple[pinograsp.RobotModel, str]:
+def loaded(urdf: Path, output: Path, **options: object) -> tuple[pinograsp.Robot, str]:
     """Return the robot of a new robot file, and its text."""
     text, _ = new_robot_file(str(urdf), output, **options)  # type: ignore[arg-type]
     write_new(text, output)
@@ -386,7 +386,7 @@ def test_rectangle_in_a_face_with_a_notch(
     assert 0.95 * best <= found.area <= best * (1.0 + 1e-9)
 
 
-def test_facets_of_a_box(make_toy: Callable[..., pinograsp.RobotModel]) -> None:
+def test_facets_of_a_box(make_toy: Callable[..., pinograsp.Robot]) -> None:
     robot = make_toy()
     meshes = link_meshes(link_elements(robot.urdf.composed, robot.description.urdf_file))
     facets = facets_of("left", meshes["left"])

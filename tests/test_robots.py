@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 import pinograsp
 from benchmark_robots import SCENES
-from pinograsp import Database, RobotModel, build_database, load_robot, load_scene, plan
+from pinograsp import Database, Robot, build_database, load_robot, load_scene, plan
 from pinograsp.database import build, sampling
-from pinograsp.descriptions import SceneDescription, load_robot_description, shipped_robots
+from pinograsp.descriptions import Scene, load_robot_description, shipped_robots
 from pinograsp.descriptions.patches import SpherePatch
 from pinograsp.descriptions.shapes import Cylinder, Shape, Sphere
 from pinograsp.descriptions.urdf import read_urdf
@@ -71,11 +71,11 @@ def test_every_shipped_robot_is_tested() -> None:
 
 
 @functools.cache
-def robot_named(name: str) -> RobotModel:
+def robot_named(name: str) -> Robot:
     return load_robot(name)
 
 
-def scene_of(name: str, task: str) -> SceneDescription:
+def scene_of(name: str, task: str) -> Scene:
     return load_scene(SCENES[name][task])
 
 
@@ -85,7 +85,7 @@ def task_model(name: str, task: str) -> TaskModel:
 
 
 @pytest.fixture(params=list(ROBOTS))
-def robot(request: pytest.FixtureRequest) -> RobotModel:
+def robot(request: pytest.FixtureRequest) -> Robot:
     return robot_named(request.param)
 
 
@@ -102,7 +102,7 @@ class UrdfJoint:
     """Leader, multiplier, offset."""
 
 
-def joints_on_disk(robot: RobotModel) -> dict[str, UrdfJoint]:
+def joints_on_disk(robot: Robot) -> dict[str, UrdfJoint]:
     """Return the movable joints that the links of a robot hang on, from the XML of its URDFs."""
     description = robot.description
     parts = [(description.root, description.urdf_file)]
@@ -144,11 +144,11 @@ def urdf_joint(joint: ET.Element) -> UrdfJoint:
     return UrdfJoint(limits, follows)
 
 
-def random_postures(robot: RobotModel, count: int) -> Array:
+def random_postures(robot: Robot, count: int) -> Array:
     return np.random.default_rng(0).uniform(robot.lower, robot.upper, (count, robot.posture_size))
 
 
-def test_sizes(robot: RobotModel) -> None:
+def test_sizes(robot: Robot) -> None:
     description, expected = robot.description, ROBOTS[robot.description.name]
     arm = description.arm.joints
     assert len(arm) == robot.arm_size == expected.arm
@@ -161,7 +161,7 @@ def test_sizes(robot: RobotModel) -> None:
     assert set(robot.joint_names) - set(arm) - hand == description.hand.rest.keys()
 
 
-def test_links_are_where_the_parts_have_them(robot: RobotModel) -> None:
+def test_links_are_where_the_parts_have_them(robot: Robot) -> None:
     """Every link: each URDF as it is on disk by Pinocchio, one fixed to a link of those before it."""
     description = robot.description
     for posture in random_postures(robot, 3):
@@ -187,7 +187,7 @@ def posed(file: Path, angles: dict[str, float]) -> dict[str, Array]:
     return alone(text, {name: angle for name, angle in angles.items() if name in names})
 
 
-def test_arm_joints_carry_each_other_and_the_hand(robot: RobotModel) -> None:
+def test_arm_joints_carry_each_other_and_the_hand(robot: Robot) -> None:
     """In the order of the file, and the fingers move nothing of the arm."""
     description = robot.description
     rows = [robot.joint_names.index(name) for name in description.arm.joints]
@@ -200,7 +200,7 @@ def test_arm_joints_carry_each_other_and_the_hand(robot: RobotModel) -> None:
         assert robot.supports[pad.joint, robot.hand_joints].any()
 
 
-def test_limits_keep_every_joint_in_its_own(robot: RobotModel) -> None:
+def test_limits_keep_every_joint_in_its_own(robot: Robot) -> None:
     """Also followers; a limit of the arm is that of the file, else that of the URDF, else two turns."""
     on_disk, given = joints_on_disk(robot), robot.description.arm.limits
     assert np.isfinite([robot.lower, robot.upper]).all()
@@ -218,7 +218,7 @@ def test_limits_keep_every_joint_in_its_own(robot: RobotModel) -> None:
                 assert q[name] == pytest.approx(multiplier * q[leader] + offset, abs=1e-12), name
 
 
-def test_synergies_use_all_of_their_range(robot: RobotModel) -> None:
+def test_synergies_use_all_of_their_range(robot: Robot) -> None:
     """At either end some joint of the hand is at a limit of its own."""
     on_disk = joints_on_disk(robot)
     middle = 0.5 * (robot.lower + robot.upper)
@@ -352,7 +352,7 @@ def test_grasps(name: str, task: str, result: Result) -> None:
     scene, robot = scene_of(name, task), robot_named(name)
     assert (result.robot, result.scene, result.task) == (name, scene.name, task)
     assert result.done == STARTS
-    assert result.reliable >= (4 if name == ALLEGRO else 10)
+    assert result.verified >= (4 if name == ALLEGRO else 10)
     assert result.refuted == 0
     mounted = robot.mounted(scene.mounting.matrix)
     on_disk = joints_on_disk(robot)
@@ -365,7 +365,7 @@ def test_grasps(name: str, task: str, result: Result) -> None:
         assert_held(grasp, scene, task)
 
 
-def off_its_pad(contact: Contact, robot: RobotModel, poses: dict[str, Array]) -> float:
+def off_its_pad(contact: Contact, robot: Robot, poses: dict[str, Array]) -> float:
     """Return how far a contact is off the surface that its pad is a part of, m."""
     [patch] = [pad.patch for pad in robot.description.pads if pad.name == contact.pad]
     T = poses[contact.link]
@@ -373,7 +373,7 @@ def off_its_pad(contact: Contact, robot: RobotModel, poses: dict[str, Array]) ->
     return abs(np.linalg.norm(point) - patch.radius if isinstance(patch, SpherePatch) else point[2])
 
 
-def assert_held(grasp: Grasp, scene: SceneDescription, task: str) -> None:
+def assert_held(grasp: Grasp, scene: Scene, task: str) -> None:
     """Contacts on the object, forces that push, within the friction cones, and carry the weight."""
     held, wanted = scene.objects[task], scene.tasks[task]
     arms = np.array([contact.point for contact in grasp.contacts]) - held.center_of_mass_world
@@ -403,7 +403,7 @@ def above(point: Array, shape: Shape) -> float:
 def test_most_starts_are_reliable(name: str) -> None:
     result = plan(robot_named(name), scene_of(name, "sphere"), "sphere", starts=500, workers=2)
     assert result.done == 500
-    assert result.reliable >= 300, result.blocked
+    assert result.verified >= 300, result.blocked
 
 
 # ---- a hand of many fingers
@@ -441,7 +441,7 @@ def test_contacts_of_all_four_fingers() -> None:
     radius = content["objects"]["sphere"]["shape"]["radius"]
     points = (*task.desired_contacts, (0.0, radius, 0.0))
     content["tasks"]["sphere"] |= {"pads": None, "desired_contacts": points}
-    model = TaskModel(robot, SceneDescription.model_validate(content), "sphere")
+    model = TaskModel(robot, Scene.model_validate(content), "sphere")
     assert check_task(model) == []
     problem = GraspProblem(model, (0, 1, 2, 3))
     rng = np.random.default_rng(0)
@@ -459,7 +459,7 @@ def test_a_pad_that_the_hand_does_not_have() -> None:
     content = scene.model_dump()
     content["tasks"]["sphere"]["pads"] = ("thumb", "index", "midle")
     with pytest.raises(pinograsp.InputError) as caught:
-        TaskModel(robot_named(ALLEGRO), SceneDescription.model_validate(content), "sphere")
+        TaskModel(robot_named(ALLEGRO), Scene.model_validate(content), "sphere")
     assert (caught.value.file, caught.value.key) == (scene.source, "tasks.sphere.pads[2]")
     assert "xarm7_allegro has no pad 'midle'. Did you mean middle" in str(caught.value)
 

@@ -21,10 +21,10 @@ from places import changed
 import pinograsp
 from pinograsp import InputError, Planner, plan, problem
 from pinograsp.collision.solids import link_bodies
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
 from pinograsp.kinematics.forward import forward
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, least_cost, least_cost_parallel
 from pinograsp.mechanics.barrier import barrier
 from pinograsp.planning.bound import least_U
@@ -37,7 +37,7 @@ LIMITS = ForceLimits(0.9, 0.001, 5.0, 0.01)
 
 
 @pytest.fixture
-def planner(gen3: RobotModel, glovebox: SceneDescription) -> Iterator[Planner]:
+def planner(gen3: Robot, glovebox: Scene) -> Iterator[Planner]:
     with Planner(gen3, glovebox, workers=1) as planner:
         yield planner
 
@@ -46,22 +46,20 @@ def found(result: Result) -> list[Any]:
     return [(g.start, g.cost.U, list(g.joints.values()), g.count) for g in result.grasps]
 
 
-def test_a_session_plans_what_a_single_plan_does(
-    planner: Planner, gen3: RobotModel, glovebox: SceneDescription
-) -> None:
+def test_a_session_plans_what_a_single_plan_does(planner: Planner, gen3: Robot, glovebox: Scene) -> None:
     alone = plan(gen3, glovebox, "sphere", starts=6, workers=1, seed=2)
     for _ in range(2):
         assert found(planner.plan("sphere", starts=6, seed=2)) == found(alone)
 
 
-def test_a_given_executor_finds_the_same(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_given_executor_finds_the_same(gen3: Robot, glovebox: Scene) -> None:
     alone = plan(gen3, glovebox, "sphere", starts=10, workers=1)
     with ProcessPoolExecutor(2, mp_context=get_context("fork")) as executor:
         assert found(plan(gen3, glovebox, "sphere", starts=10, executor=executor)) == found(alone)
         assert executor.submit(abs, -1).result() == 1  # it is left running
 
 
-def test_workers_stay_warm_from_plan_to_plan(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_workers_stay_warm_from_plan_to_plan(gen3: Robot, glovebox: Scene) -> None:
     with Planner(gen3, glovebox, workers=2) as planner:
         first = planner.plan("sphere", starts=16)
         pool = planner._workers._pool  # type: ignore[attr-defined]
@@ -73,7 +71,7 @@ def test_workers_stay_warm_from_plan_to_plan(gen3: RobotModel, glovebox: SceneDe
     assert found(moved) == found(plan(gen3, glovebox.with_object_pose("sphere", THERE), "sphere", starts=16, workers=1))
 
 
-def test_a_worker_killed_between_two_plans_is_replaced(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_worker_killed_between_two_plans_is_replaced(gen3: Robot, glovebox: Scene) -> None:
     with Planner(gen3, glovebox, workers=2) as planner:
         first = planner.plan("sphere", starts=10)
         for pid in list(planner._workers._pool._processes):  # type: ignore[attr-defined]
@@ -81,9 +79,7 @@ def test_a_worker_killed_between_two_plans_is_replaced(gen3: RobotModel, glovebo
         assert found(planner.plan("sphere", starts=10)) == found(first)
 
 
-def test_a_wrong_database_is_refused_every_time(
-    gen3: RobotModel, paper: RobotModel, glovebox: SceneDescription, tmp_path: Path
-) -> None:
+def test_a_wrong_database_is_refused_every_time(gen3: Robot, paper: Robot, glovebox: Scene, tmp_path: Path) -> None:
     file = tmp_path / "other.duckdb"
     pinograsp.build_database(paper, glovebox, file, size=50, workers=1).close()
     with Planner(gen3, glovebox, database=file, workers=1) as planner:
@@ -94,12 +90,12 @@ def test_a_wrong_database_is_refused_every_time(
                 next(planner.grasps("sphere"))
 
 
-def test_workers_and_an_executor_are_one_too_many(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_workers_and_an_executor_are_one_too_many(gen3: Robot, glovebox: Scene) -> None:
     with ProcessPoolExecutor(1) as executor, pytest.raises(InputError, match="workers: is given with an executor"):
         Planner(gen3, glovebox, workers=2, executor=executor)
 
 
-def test_grasps_of_a_moved_object_are_verified_where_it_is(planner: Planner, gen3: RobotModel) -> None:
+def test_grasps_of_a_moved_object_are_verified_where_it_is(planner: Planner, gen3: Robot) -> None:
     next(planner.grasps("sphere"))
     for pose in (THERE, Pose(position=(0.75, -0.05, -0.1), rpy=(0.0, 0.5, 0.0)).matrix):
         planner.move("sphere", pose)
@@ -117,7 +113,7 @@ def test_grasps_of_a_moved_object_are_verified_where_it_is(planner: Planner, gen
         assert grasp.setup.scene == scene
 
 
-def test_a_moved_model_is_one_built_there(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_moved_model_is_one_built_there(gen3: Robot, glovebox: Scene) -> None:
     scene = glovebox.with_object_pose("sphere", THERE)
     moved, built = TaskModel(gen3, glovebox, "sphere").moved("sphere", scene), TaskModel(gen3, scene, "sphere")
     np.testing.assert_array_equal(moved.desired_points, built.desired_points)
@@ -127,14 +123,14 @@ def test_a_moved_model_is_one_built_there(gen3: RobotModel, glovebox: SceneDescr
     np.testing.assert_array_equal(moved.collisions.distances(at).values, built.collisions.distances(at).values)
 
 
-def test_another_object_that_is_moved_is_an_obstacle_there(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_another_object_that_is_moved_is_an_obstacle_there(gen3: Robot, glovebox: Scene) -> None:
     """A block put over the sphere takes its grasps away, put aside it gives them back."""
     content = glovebox.model_dump()
     content["objects"]["block"] = {
         "shape": {"type": "box", "size": (0.12, 0.12, 0.06)},
         "pose": {"position": (0.6, 0.25, -0.1)},
     }
-    scene = SceneDescription.model_validate(content)
+    scene = Scene.model_validate(content)
     sphere = scene.objects["sphere"].pose.position
     with Planner(gen3, scene, workers=1) as planner:
         assert next(planner.grasps("sphere", most=1), None) is not None
@@ -190,7 +186,7 @@ def test_a_search_ends_at_a_number_a_deadline_or_the_bound(planner: Planner) -> 
     assert 1.001 * least_U(planner._model("sphere")) >= last.cost.U
 
 
-def test_the_scene_digest_follows_its_content(glovebox: SceneDescription) -> None:
+def test_the_scene_digest_follows_its_content(glovebox: Scene) -> None:
     moved = glovebox.with_object_pose("sphere", THERE)
     assert moved.digest != glovebox.digest
     assert moved.digest == glovebox.with_object_pose("sphere", THERE).digest
@@ -200,7 +196,7 @@ def test_the_scene_digest_follows_its_content(glovebox: SceneDescription) -> Non
 
 
 @pytest.fixture(scope="module")
-def grasp(gen3: RobotModel, glovebox: SceneDescription) -> pinograsp.Grasp:
+def grasp(gen3: Robot, glovebox: Scene) -> pinograsp.Grasp:
     with Planner(gen3, glovebox, workers=1) as planner:
         return next(planner.grasps("sphere"))
 
@@ -216,9 +212,7 @@ def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: p
             assert least == pytest.approx(figure.value, abs=1e-9)
 
 
-def test_a_contact_within_the_reserve_is_said_to_be_that(
-    gen3: RobotModel, glovebox: SceneDescription, grasp: pinograsp.Grasp
-) -> None:
+def test_a_contact_within_the_reserve_is_said_to_be_that(gen3: Robot, glovebox: Scene, grasp: pinograsp.Grasp) -> None:
     """It is where pad and object touch, and not moved away from the rim to where they do not."""
     found = grasp.certificate["pad rim"].value
     assert found < 0.00999
@@ -277,17 +271,17 @@ def test_joints_of_a_hand_with_named_synergies_are_a_configuration() -> None:
     ],
     ids=str,
 )
-def test_numbers_that_make_no_sense(gen3: RobotModel, glovebox: SceneDescription, change: Any, message: str) -> None:
+def test_numbers_that_make_no_sense(gen3: Robot, glovebox: Scene, change: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
         plan(gen3, glovebox, "sphere", **change)
 
 
-def test_numbers_of_numpy_will_do(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_numbers_of_numpy_will_do(gen3: Robot, glovebox: Scene) -> None:
     of_numpy = plan(gen3, glovebox, "sphere", starts=np.int64(2), seed=np.int64(3), workers=1)  # type: ignore[arg-type]
     assert found(of_numpy) == found(plan(gen3, glovebox, "sphere", starts=2, seed=3, workers=1))
 
 
-def test_a_registered_constraint_reaches_the_plan(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_a_registered_constraint_reaches_the_plan(gen3: Robot, glovebox: Scene) -> None:
     asked = []
 
     def nothing(model: TaskModel) -> None:
@@ -307,7 +301,7 @@ def test_a_registered_constraint_reaches_the_plan(gen3: RobotModel, glovebox: Sc
 SRDF = '<robot name="toy"><disable_collisions link1="{}" link2="{}" reason="Adjacent"/></robot>'
 
 
-def on_disk(robot: RobotModel, key: str) -> Path:
+def on_disk(robot: Robot, key: str) -> Path:
     return robot.description.files[key]
 
 
@@ -322,7 +316,7 @@ def test_an_executor_that_lives_on_sees_what_changed(
     robot, scene = make_toy(TOY_URDF.replace(box, mesh), meshes=files, srdf="toy.srdf"), make_toy_scene()
     with ProcessPoolExecutor(1, mp_context=get_context("fork")) as executor:
 
-        def pairs(robot: RobotModel) -> tuple[Any, Any]:
+        def pairs(robot: Robot) -> tuple[Any, Any]:
             return executor.submit(seen, pickle.dumps(robot.mounted(scene.mounting.matrix))).result()
 
         first = pairs(robot)
@@ -386,14 +380,14 @@ def test_no_forces_of_parallel_pads_are_below_the_bound() -> None:
     assert bound <= least < 1.1 * bound
 
 
-def test_the_bound_is_reached_by_the_sphere(gen3: RobotModel, glovebox: SceneDescription, tmp_path: Path) -> None:
+def test_the_bound_is_reached_by_the_sphere(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
     """With V* of 2.17875 on the desired points; for a hand whose pads turn only the weaker bound is claimed."""
     model = TaskModel(gen3, glovebox, "sphere")
     best = plan(gen3, glovebox, "sphere", starts=8, workers=1).ranked("U")[0]
     assert least_U(model) <= best.cost.U <= 1.0001 * least_U(model)
 
 
-def test_the_bound_holds_for_other_tasks(paper: RobotModel, curved_gen3: RobotModel) -> None:
+def test_the_bound_holds_for_other_tasks(paper: Robot, curved_gen3: Robot) -> None:
     for robot, scene, task in ((paper, "glovebox_can", "can_region"), (curved_gen3, "glovebox", "sphere")):
         # The round pads bulge out of flat finger tips by less than the margin that a task has by default.
         description = changed(pinograsp.load_scene(scene), "tasks", task, margin={"object": 0.0})

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy import linalg, optimize, sparse
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription, robot_for
+from pinograsp.descriptions import Scene, robot_for
 from pinograsp.descriptions.hand import SoftFinger
 from pinograsp.verification.jacobians import jacobian
 from pinograsp.verification.robot import read_robot
@@ -159,7 +159,7 @@ class Springs:
 def grasps(robot: str, scene: str, task: str, soft: bool) -> tuple[Any, ...]:
     content = pinograsp.load_scene(scene).model_dump()
     content["tasks"][task]["contact_model"] = SOFT if soft else HARD
-    changed = SceneDescription.model_validate(content)
+    changed = Scene.model_validate(content)
     return pinograsp.plan(pinograsp.load_robot(robot), changed, task, starts=4, workers=1).grasps
 
 

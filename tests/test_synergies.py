@@ -42,7 +42,7 @@ def test_synergies_that_share_joints(make_toy: RobotFactory, make_toy_scene: Sce
         agree(jacobian, lambda x: problem.evaluate(x).inequalities.values[rows], x)
     with build_database(toy, scene, tmp_path / "toy.duckdb", size=1000, workers=1) as database:
         result = plan(toy, scene, "ball", starts=12, workers=1, database=database)
-    assert result.reliable >= 10
+    assert result.verified >= 10
     assert result.refuted == 0
     for grasp in result.grasps:
         assert -1e-9 <= grasp.joints["slide_left"] <= 0.06 + 1e-9

@@ -116,7 +116,7 @@ def test_a_mirrored_mesh_keeps_its_outside(make_toy: RobotFactory, tmp_path: Pat
     assert winding_number(mesh.triangles, inside) == pytest.approx(1.0)
 
 
-def test_elements_of_a_robot_are_those_of_its_links_in_joint_frames(gen3: pinograsp.RobotModel) -> None:
+def test_elements_of_a_robot_are_those_of_its_links_in_joint_frames(gen3: pinograsp.Robot) -> None:
     elements = {id_of(e): e for e in link_elements(gen3.urdf.composed, gen3.description.urdf_file)}
     placed = collision_elements(gen3)
     assert len(placed) == len(elements) > 10

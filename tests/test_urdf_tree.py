@@ -12,7 +12,7 @@ import pytest
 from conftest import Array
 
 import pinograsp
-from pinograsp import InputError, RobotModel
+from pinograsp import InputError, Robot
 from pinograsp.descriptions.urdf import RobotUrdf, attached, read_urdf
 from pinograsp.kinematics.tree import UrdfTree
 from pinograsp.verification.kinematics import Kinematics, parsed
@@ -49,7 +49,7 @@ def test_bodies_and_neighbours(name: str) -> None:
     assert 0 < sum(found.values()) < len(pairs)
 
 
-def independent(robot: RobotModel) -> Kinematics:
+def independent(robot: Robot) -> Kinematics:
     file = robot.description.urdf_file
     return Kinematics(parsed(robot.urdf.composed, file), file)
 
@@ -102,7 +102,7 @@ def test_a_joint_that_mimics_nothing() -> None:
         tree_of(joint("open", "revolute", "a", "b", f'<mimic joint="opn"/>{LIMIT}'), links="ab")
 
 
-def test_a_hand_is_attached_to_an_arm_that_was_read_before(paper: RobotModel) -> None:
+def test_a_hand_is_attached_to_an_arm_that_was_read_before(paper: Robot) -> None:
     """The same as reading all of it; the arm stays as it is."""
     whole = paper.description
     assert len(whole.attach) == 1

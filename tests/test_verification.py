@@ -15,7 +15,7 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from pinograsp.descriptions import SceneDescription, load_robot_description, load_scene
+from pinograsp.descriptions import Scene, load_robot_description, load_scene
 from pinograsp.descriptions.robot import RobotDescription
 from pinograsp.descriptions.scene import Body
 from pinograsp.errors import InputError
@@ -43,9 +43,9 @@ def glovebox(robot: RobotDescription) -> Verifier:
     return Verifier(robot, load_scene("glovebox"), "sphere")
 
 
-def scene_with(**changes: Any) -> SceneDescription:
+def scene_with(**changes: Any) -> Scene:
     """Return the glovebox scene with top-level keys replaced."""
-    return SceneDescription.model_validate(load_scene("glovebox").model_dump() | changes)
+    return Scene.model_validate(load_scene("glovebox").model_dump() | changes)
 
 
 def angles(verifier: Verifier, arm: Array, opening: float) -> dict[str, float]:
@@ -253,7 +253,7 @@ class Case:
         forces = 3.6312 * normals + self.across
         self.claim = Claim(joints, points, forces, np.zeros(2))
 
-    def scene(self, **task: Any) -> SceneDescription:
+    def scene(self, **task: Any) -> Scene:
         given = load_scene("glovebox").model_dump()["tasks"]["sphere"]
         wrench = {"force": (-2.0 * self.across).tolist()}
         ball = {
@@ -262,7 +262,7 @@ class Case:
         }
         return scene_with(enclosure=ROOM, objects={"sphere": ball}, tasks={"sphere": given | {"wrench": wrench} | task})
 
-    def check(self, scene: SceneDescription, **changes: Any) -> Certificate:
+    def check(self, scene: Scene, **changes: Any) -> Certificate:
         return Verifier(self.robot, scene, "sphere").check(replace(self.claim, **changes))
 
 
@@ -395,7 +395,7 @@ def test_obstacles(case: Case, verifier: Verifier, shape: dict[str, Any]) -> Non
     scenes = []
     for position in (forearm, case.center + 1.5):
         obstacle = {"shape": shape, "pose": {"position": list(position)}}
-        scenes.append(SceneDescription.model_validate(case.scene().model_dump() | {"obstacles": {"bar": obstacle}}))
+        scenes.append(Scene.model_validate(case.scene().model_dump() | {"obstacles": {"bar": obstacle}}))
     hit, free = (case.check(scene) for scene in scenes)
     assert names(hit) == {"obstacle clearance"}
     assert hit["obstacle clearance"].where == "forearm_link / bar"
@@ -407,7 +407,7 @@ def test_object_in_the_pads(case: Case) -> None:
     """A slightly larger ball sticks in the pads."""
     larger = case.scene().model_dump()
     larger["objects"]["sphere"]["shape"]["radius"] = case.radius + 1e-4
-    certificate = case.check(SceneDescription.model_validate(larger))
+    certificate = case.check(Scene.model_validate(larger))
     assert certificate["pad clearance"].value == pytest.approx(-1e-4, abs=1e-6)
     assert {"pad clearance", "contact gap"} <= names(certificate)
 

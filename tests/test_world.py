@@ -17,11 +17,11 @@ from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
 from pinograsp.collision.solids import bounded, link_bodies
 from pinograsp.collision.world import IDENTITY, Body, BodyKey, Whole, World
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
 from pinograsp.errors import InputError
 from pinograsp.kinematics.forward import Configuration, forward
-from pinograsp.kinematics.robot import RobotModel, _built
+from pinograsp.kinematics.robot import Robot, _built
 from pinograsp.memo import remembered
 
 POSTURE = np.array([0.2, 0.03])
@@ -29,16 +29,16 @@ BALL = BodyKey("target", "ball")
 
 
 @pytest.fixture(scope="module")
-def world(toy: RobotModel, make_toy_scene: SceneFactory) -> World:
+def world(toy: Robot, make_toy_scene: SceneFactory) -> World:
     scene = make_toy_scene()
     return task_world(toy, scene, scene.task("ball"))
 
 
-def at(robot: RobotModel, posture: Array = POSTURE) -> Configuration:
+def at(robot: Robot, posture: Array = POSTURE) -> Configuration:
     return forward(robot, robot.model.createData(), posture)
 
 
-def least(model: CollisionModel, robot: RobotModel, posture: Array, kind: str, other: str) -> float:
+def least(model: CollisionModel, robot: Robot, posture: Array, kind: str, other: str) -> float:
     indices = [i for i, pair in enumerate(model.pairs) if pair.kind == kind and pair.other == other]
     return float(model.measure(np.array(indices), at(robot, posture))[0].min())
 
@@ -51,7 +51,7 @@ def test_roles_of_a_task(world: World) -> None:
     assert world.margins["link"] > 0.005
 
 
-def test_a_moved_body_is_the_same_as_one_built_there(toy: RobotModel, make_toy_scene: SceneFactory) -> None:
+def test_a_moved_body_is_the_same_as_one_built_there(toy: Robot, make_toy_scene: SceneFactory) -> None:
     pose = Pose(position=(0.1, 0.05, 0.15), rpy=(0.3, -0.2, 1.0))
     scene = make_toy_scene()
     built = collision_model(toy, scene.with_object_pose("ball", pose), "ball")
@@ -66,23 +66,21 @@ def test_a_moved_body_is_the_same_as_one_built_there(toy: RobotModel, make_toy_s
         np.testing.assert_array_equal(one.gradients, other.gradients)
 
 
-def test_moving_leaves_the_model_that_it_began_with(toy: RobotModel, world: World) -> None:
+def test_moving_leaves_the_model_that_it_began_with(toy: Robot, world: World) -> None:
     model = CollisionModel(toy, world)
     before = model.distances(at(toy)).values
     model.moved(BALL, Pose(position=(0.1, 0.0, 0.3)).matrix).distances(at(toy))
     np.testing.assert_array_equal(model.distances(at(toy)).values, before)
 
 
-def test_a_body_that_is_not_there_cannot_be_moved(toy: RobotModel, world: World) -> None:
+def test_a_body_that_is_not_there_cannot_be_moved(toy: Robot, world: World) -> None:
     with pytest.raises(KeyError):
         world.moved(BodyKey("obstacle", "ball"), IDENTITY)
     with pytest.raises(KeyError):
         CollisionModel(toy, world).moved(BodyKey("obstacle", "ball"), IDENTITY)
 
 
-def test_a_wall_that_is_moved_has_the_distance_of_one_built_there(
-    toy: RobotModel, make_toy_scene: SceneFactory
-) -> None:
+def test_a_wall_that_is_moved_has_the_distance_of_one_built_there(toy: Robot, make_toy_scene: SceneFactory) -> None:
     here, there = make_toy_scene(), make_toy_scene(enclosure={"min": [-0.4, -0.3, -0.2], "max": [0.37, 0.3, 0.4]})
     model = collision_model(toy, here, "ball").moved(BodyKey("wall", "wall x=0.4"), Pose(position=(-0.03, 0, 0)).matrix)
     posture = np.array([1.2, 0.03])
@@ -91,14 +89,14 @@ def test_a_wall_that_is_moved_has_the_distance_of_one_built_there(
     assert one == pytest.approx(other, abs=1e-12)
 
 
-def held_box(robot: RobotModel, link: str) -> Body:
+def held_box(robot: Robot, link: str) -> Body:
     """A box of 30 mm in the hand, 60 mm beyond the origin of a link's joint."""
     solid = bounded(coal.Box(0.03, 0.03, 0.03), Pose(position=(0.0, 0.0, 0.06)).matrix)
     joint = robot.model.getJointId(link)
     return Body("held", "box", joint, IDENTITY, (solid,), (Whole(solid, (0,)),))
 
 
-def test_what_is_held_moves_with_the_link_that_is_its_parent(toy: RobotModel, make_toy_scene: SceneFactory) -> None:
+def test_what_is_held_moves_with_the_link_that_is_its_parent(toy: Robot, make_toy_scene: SceneFactory) -> None:
     """Kept off walls, obstacles and links by their margins, with gradients; off the links named it need not be."""
     post = {"shape": {"type": "sphere", "radius": 0.02}, "pose": {"position": [0.2, 0.0, 0.22]}}
     scene = make_toy_scene(obstacles={"post": post})
@@ -128,7 +126,7 @@ def test_what_is_held_moves_with_the_link_that_is_its_parent(toy: RobotModel, ma
     np.testing.assert_allclose(measured.gradients[row], differences(distance, posture, 1e-6), atol=1e-5)
 
 
-def test_solids_are_made_once_for_a_robot(gen3: RobotModel, glovebox: SceneDescription) -> None:
+def test_solids_are_made_once_for_a_robot(gen3: Robot, glovebox: Scene) -> None:
     here, there = link_bodies(gen3), link_bodies(gen3.mounted(glovebox.mounting.matrix))
     assert all(a.solids is b.solids for a, b in zip(here, there, strict=True))
     fewer = gen3.with_pads(("left", "right")[::-1])
@@ -148,7 +146,7 @@ def test_a_robot_that_travels_is_built_once_until_its_files_change(make_toy: Rob
     np.testing.assert_array_equal(first.T_world_root, mounted.T_world_root)
     [file] = set(robot.urdf.meshes)
     trimesh.creation.box((0.01, 0.02, 0.05)).export(file)
-    changed = pickle.loads(pickle.dumps(RobotModel(robot.description).mounted(mounted.T_world_root)))
+    changed = pickle.loads(pickle.dumps(Robot(robot.description).mounted(mounted.T_world_root)))
     assert changed.unmounted is not first.unmounted
     link_bodies(changed)
     on_its_way = pickle.dumps(changed.unmounted)
@@ -164,7 +162,7 @@ def test_what_is_remembered_goes_with_its_subject(make_toy: RobotFactory) -> Non
     calls = []
 
     @remembered
-    def named(robot: RobotModel, suffix: str) -> str:
+    def named(robot: Robot, suffix: str) -> str:
         calls.append(suffix)
         return robot.description.name + suffix
 

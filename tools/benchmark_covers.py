@@ -22,7 +22,7 @@ from pinograsp.arrays import Array
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.database import cached_database
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.descriptions.scene import Margins
 from pinograsp.geometry.cover_cache import mesh_cover
@@ -30,7 +30,7 @@ from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.onboarding.excess import excess
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve import LocalSolver, SolverOptions, starts_near
@@ -56,12 +56,12 @@ def main() -> None:
     costs(robot, scene, arguments.task, arguments.starts)
 
 
-def with_collision(robot: RobotModel, collision: CollisionDescription) -> RobotModel:
+def with_collision(robot: Robot, collision: CollisionDescription) -> Robot:
     """Return the robot with other pieces."""
-    return RobotModel(robot.description.model_copy(update={"collision": collision}))
+    return Robot(robot.description.model_copy(update={"collision": collision}))
 
 
-def figures(robot: RobotModel) -> None:
+def figures(robot: Robot) -> None:
     """Print the excess, mesh by mesh."""
     print(f"{robot.description.name}: excess in mm (95th percentile, largest, mean), pieces and vertices")
     print(f"  {'link':38} {'single hull':>19} {'vertices':>9}   {'pieces':>19} {'number':>7} {'vertices':>9}")
@@ -94,7 +94,7 @@ def in_words(distances: Array) -> str:
     return " ".join(f"{1e3 * v:6.2f}" for v in (np.percentile(distances, 95), distances.max(), distances.mean()))
 
 
-def costs(robot: RobotModel, scene: SceneDescription, task: str, count: int) -> None:
+def costs(robot: Robot, scene: Scene, task: str, count: int) -> None:
     """Print what distances, evaluations and the tests of a database cost, pieces against single hulls."""
     models = {
         "hulls": TaskModel(with_collision(robot, CollisionDescription(pieces=1)), scene, task),

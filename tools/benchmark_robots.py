@@ -1,8 +1,8 @@
-"""Benchmark of every shipped robot in its scene: reliable starts, and how close its collision pieces are.
+"""Benchmark of every shipped robot in its scene: verified starts, and how close its collision pieces are.
 
     python tools/benchmark_robots.py [robot ...] [--starts 500] [--can-starts 100]
 
-prints a Markdown table with a row for each robot: reliable starts of the tasks `sphere` and `can`, mean time of the
+prints a Markdown table with a row for each robot: verified starts of the tasks `sphere` and `can`, mean time of the
 solver for a start, and the largest 95th percentile, over the links, of how far the surface of the collision pieces,
 and of single convex hulls, is from the mesh.
 """
@@ -17,7 +17,7 @@ import pinograsp
 from benchmark_covers import SAMPLES, covered
 from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements
-from pinograsp.kinematics.robot import RobotModel
+from pinograsp.kinematics.robot import Robot
 from pinograsp.onboarding.excess import excess
 
 SCENES = {
@@ -30,7 +30,7 @@ SCENES = {
     "xarm7_allegro": {"sphere": "allegro_ceiling", "can": "allegro_ceiling"},
 }
 """Scene of every shipped robot's tasks."""
-HEAD = ("robot", "scene", "sphere reliable", "can reliable", "sphere, ms a start", "pieces, mm", "one hull, mm")
+HEAD = ("robot", "scene", "sphere verified", "can verified", "sphere, ms a start", "pieces, mm", "one hull, mm")
 
 
 def main() -> None:
@@ -50,7 +50,7 @@ def main() -> None:
             pinograsp.plan(robot, pinograsp.load_scene(scenes[task]), task, starts=starts, workers=arguments.workers)
             for task, starts in (("sphere", arguments.starts), ("can", arguments.can_starts))
         ]
-        shares = [f"{r.reliable} of {r.done} ({100 * r.reliable / r.done:.1f} %)" for r in results]
+        shares = [f"{r.verified} of {r.done} ({100 * r.verified / r.done:.1f} %)" for r in results]
         time = f"{1e3 * results[0].times['solver_mean']:.0f}"
         print(row([name, scenes["sphere"], *shares, time, *closeness(robot)]), flush=True)
 
@@ -60,7 +60,7 @@ def row(cells: list[str] | tuple[str, ...]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def closeness(robot: RobotModel) -> list[str]:
+def closeness(robot: Robot) -> list[str]:
     """Return the largest 95th percentile of distances from the mesh, mm, of the pieces and of single hulls."""
     meshes = [element for element in collision_elements(robot) if element.mesh is not None]
     pieces = [worst(element, robot.description.collision.of(element.link)) for element in meshes]

@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
 from pinograsp.planning import attempt as attempts
 
@@ -39,10 +39,10 @@ def main() -> None:
     robot = pinograsp.load_robot(arguments.robot)
     for scene, task, name in TASKS:
         report(robot, scene, task, name, arguments.poses, arguments.seed)
-    beginnings(robot)
+    beginning_times(robot)
 
 
-def report(robot: pinograsp.RobotModel, scene_name: str, task: str, name: str, count: int, seed: int) -> None:
+def report(robot: pinograsp.Robot, scene_name: str, task: str, name: str, count: int, seed: int) -> None:
     """Print the figures of one task."""
     scene = pinograsp.load_scene(scene_name)
     began = time.perf_counter()
@@ -77,12 +77,12 @@ def report(robot: pinograsp.RobotModel, scene_name: str, task: str, name: str, c
     print(f"  {len(firsts)} of {count} poses; no grasp within {DEADLINE:g} s in {missed}", flush=True)
 
 
-def beginnings(robot: pinograsp.RobotModel) -> None:
+def beginning_times(robot: pinograsp.Robot) -> None:
     """Print how long it takes to the first start, median of `REPEATS`, where something is new."""
     first, second = (pinograsp.load_scene(scene) for scene in ("glovebox", "glovebox_can"))
     shifts = iter(np.linspace(0.001, 0.02, 2 * REPEATS * len(CALLS)))
 
-    def shifted(scene: SceneDescription, body: str) -> Pose:
+    def shifted(scene: Scene, body: str) -> Pose:
         T = scene.objects[body].pose.matrix.copy()
         T[0, 3] += next(shifts)
         return Pose.of(T)
@@ -130,7 +130,7 @@ def anew() -> None:
     began[:] = [time.perf_counter()]
 
 
-def poses(scene: SceneDescription, name: str, count: int, seed: int) -> list[Pose]:
+def poses(scene: Scene, name: str, count: int, seed: int) -> list[Pose]:
     """Return random poses of an object within the enclosure."""
     rng = np.random.default_rng(seed)
     low, high = np.array(scene.enclosure.min) + ROOM, np.array(scene.enclosure.max) - ROOM

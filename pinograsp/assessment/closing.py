@@ -42,7 +42,7 @@ from ..arrays import Array, skew
 from ..geometry.shapes import Surface
 from ..kinematics.contacts import ContactKinematics, contact_kinematics
 from ..kinematics.forward import Configuration, forward
-from ..kinematics.robot import SLIP, RobotModel
+from ..kinematics.robot import SLIP_STEP, Robot
 
 CONTACT = 1e-3
 HAND = 1e-2
@@ -99,14 +99,14 @@ class Closing:
         T_world_object: where the object was planned to be, shape (4, 4).
     """
 
-    def __init__(self, robot: RobotModel, surface: Surface, q_arm: Array, hand: Array, T_world_object: Array) -> None:
+    def __init__(self, robot: Robot, surface: Surface, q_arm: Array, hand: Array, T_world_object: Array) -> None:
         self._robot, self._surface = robot, surface
         self.size = surface.radius
         """Of the object: radius of a ball about its frame's origin that holds it, m."""
         self._data = robot.model.createData()
         arm, (low, high) = robot.arm_size, robot.parameter_limits.T
         self._hand = robot.posture_size - arm
-        self._unit = robot.step_units[arm:] / SLIP
+        self._unit = robot.step_units[arm:] / SLIP_STEP
         anywhere = np.full(6, np.inf)
         self._lower = np.concatenate([-anywhere, np.concatenate([robot.lower[arm:], low]) / self._unit])
         self._upper = np.concatenate([anywhere, np.concatenate([robot.upper[arm:], high]) / self._unit])

@@ -31,7 +31,7 @@ from ..descriptions import robot_for
 from ..descriptions.pose import Pose
 from ..errors import InputError
 from ..geometry.shapes import surface_of
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..results import Grasp
 from ..verification import Certificate, Claim, Verifier
 from ..verification.balance import BalanceProblem
@@ -94,7 +94,7 @@ class Judge:
         self.body = scene.objects[self.task.object]
         self._pads = robot_for(robot, scene, self.setup.task).pads
         mount = scene.mounting.matrix
-        self._robot = RobotModel(robot).with_pads(tuple(pad.name for pad in self._pads)).mounted(mount)
+        self._robot = Robot(robot).with_pads(tuple(pad.name for pad in self._pads)).mounted(mount)
         self.T_world_object = self.body.pose.matrix
         hand = np.concatenate([grasp.synergy, grasp.contact_parameters])
         surface = surface_of(self.body.shape)

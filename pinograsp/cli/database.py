@@ -17,7 +17,7 @@ from ..database.sampling import Spread
 from ..descriptions import load_robot_description, load_scene
 from ..descriptions.scene import Margins
 from ..errors import InputError
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .progress_bar import ProgressBar
 
 app = typer.Typer(no_args_is_help=True, help="Build, inspect and query databases of collision-free configurations.")
@@ -38,7 +38,7 @@ def build(
     """Build a database, or resume or grow the one that is there; Ctrl-C keeps what is done."""
     if not 1 <= size <= 1e10:
         raise InputError("must be between 1 and 1e10", key="--size")
-    model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
+    model, description = Robot(load_robot_description(robot)), load_scene(scene)
     console = Console()
     try:
         with ProgressBar(console) as bar:

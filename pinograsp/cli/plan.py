@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..planning import DEFAULT_STARTS, plan
 from ..results import Result, grasp_table, outcome_lines, write_json
 from ..results.criteria import ALIASES, BY_NAME, criterion_of, numbers_of
@@ -56,7 +56,7 @@ def plan_command(
 ) -> None:
     """Find, verify and rank grasps; write them as JSON and the best one as an HTML page."""
     console = Console()
-    robot_model, description = RobotModel(load_robot_description(robot)), load_scene(scene)
+    robot_model, description = Robot(load_robot_description(robot)), load_scene(scene)
     options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
     make_folder(out)  # before the work, not after it
     with ProgressBar(console) as bar:

@@ -45,8 +45,8 @@ class ProgressBar:
             total, note = max(progress.size, progress.rows), f"at {progress.rate:,.0f}/s" if progress.rate else ""
             self._show(name, progress.rows, total, note)
         else:
-            best = f"{progress.best_U:.4g}" if progress.reliable else "-"
-            self._show("starts", progress.done, progress.total, f"reliable {progress.reliable}, best U {best}")
+            best = f"{progress.best_U:.4g}" if progress.verified else "-"
+            self._show("starts", progress.done, progress.total, f"verified {progress.verified}, best U {best}")
 
     def _show(self, name: str, done: int, total: int, note: str) -> None:
         self._bar.update(self._preparing, visible=False)

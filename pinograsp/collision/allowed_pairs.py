@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..memo import remembered
 from .solids import distance_request, link_bodies
 from .world import Body, BodyKey, Solid, pair_of_links
@@ -34,7 +34,7 @@ SolidPairs = dict[Pair, list[tuple[Body, Solid, Body, Solid]]]
 """Pairs of solids, by the pair of their bodies."""
 
 
-def allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
+def allowed_pairs(robot: Robot, margin: float) -> frozenset[Pair]:
     """Return the pairs of links that need not keep apart; found once for a robot, wherever it is mounted.
 
     Args:
@@ -45,7 +45,7 @@ def allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
 
 
 @remembered
-def _allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
+def _allowed_pairs(robot: Robot, margin: float) -> frozenset[Pair]:
     given = frozenset(pair_of_links(*sorted(links)) for links in robot.urdf.disabled_pairs if len(links) == 2)
     if robot.urdf.complete:
         return given
@@ -58,7 +58,7 @@ def _allowed_pairs(robot: RobotModel, margin: float) -> frozenset[Pair]:
     return given | found | _never_touching(robot, in_hand)
 
 
-def pairs_apart(robot: RobotModel, allowed: frozenset[Pair]) -> list[tuple[Body, Body]]:
+def pairs_apart(robot: Robot, allowed: frozenset[Pair]) -> list[tuple[Body, Body]]:
     """Return the pairs of links that move against each other and may not touch."""
     return [
         (first, second)
@@ -67,7 +67,7 @@ def pairs_apart(robot: RobotModel, allowed: frozenset[Pair]) -> list[tuple[Body,
     ]
 
 
-def always_near(robot: RobotModel, pairs: Iterable[tuple[Body, Body]], margin: float) -> set[Pair]:
+def always_near(robot: Robot, pairs: Iterable[tuple[Body, Body]], margin: float) -> set[Pair]:
     """Return the pairs of links that are nearer than a margin in all of `POSTURES` random postures.
 
     Args:
@@ -89,7 +89,7 @@ def always_near(robot: RobotModel, pairs: Iterable[tuple[Body, Body]], margin: f
     return set(left)
 
 
-def _never_touching(robot: RobotModel, pairs: Iterable[tuple[Body, Body]]) -> set[Pair]:
+def _never_touching(robot: Robot, pairs: Iterable[tuple[Body, Body]]) -> set[Pair]:
     left, request = _by_links(pairs), distance_request()
     for poses in _random_poses(robot, HAND_POSTURES):
         for links, theirs in list(left.items()):
@@ -102,7 +102,7 @@ def _by_links(pairs: Iterable[tuple[Body, Body]]) -> SolidPairs:
     return {_pair(a, b): [(a, s, b, t) for s, t in product(a.solids, b.solids)] for a, b in pairs}
 
 
-def _random_poses(robot: RobotModel, count: int) -> Iterator[list[Array]]:
+def _random_poses(robot: Robot, count: int) -> Iterator[list[Array]]:
     """Yield the poses of all joints, shape (4, 4), in random postures."""
     rng, data = np.random.default_rng(0), robot.model.createData()
     for _ in range(count):

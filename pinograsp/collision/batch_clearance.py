@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .solids import distance_request
-from .world import Body, Solid, Whole, World
+from .world import Body, Hull, Solid, World
 
 CAP = 0.05
 """Distances from here on are not told apart (unless a margin is larger), m."""
@@ -58,7 +58,7 @@ class _Placed:
 
 
 @dataclass(frozen=True, eq=False)
-class _Whole(_Placed):
+class _Hull(_Placed):
     """A hull of a body, with the solids that it is the hull of."""
 
     body: Body
@@ -68,16 +68,16 @@ class _Whole(_Placed):
 class BatchClearance:
     """Tests arm configurations in a world of walls and obstacles, the hand still; what is held does not count."""
 
-    def __init__(self, robot: RobotModel, world: World, synergies: Array) -> None:
+    def __init__(self, robot: Robot, world: World, synergies: Array) -> None:
         self.kinematics = BatchKinematics(robot, synergies)
         self._margins = world.margins
         self._cap = max(CAP, *world.margins.values())
         walls = [wall.solids[0].shape for wall in world.of("wall")]
         self._normals, self._offsets = np.array([wall.n for wall in walls]), np.array([wall.d for wall in walls])
-        self._wholes = [self._with_parts(body, whole) for body in world.of("link", "obstacle") for whole in body.wholes]
-        links = [whole for whole in self._wholes if whole.body.role == "link"]
-        moving = [whole for whole in links if whole.group != WORLD]
-        obstacles = [whole for whole in self._wholes if whole.body.role == "obstacle"]
+        self._hulls = [self._with_parts(body, hull) for body in world.of("link", "obstacle") for hull in body.hulls]
+        links = [hull for hull in self._hulls if hull.body.role == "link"]
+        moving = [hull for hull in links if hull.group != WORLD]
+        obstacles = [hull for hull in self._hulls if hull.body.role == "obstacle"]
         self._pairs = [
             (a, b, world.margins[b.body.role])
             for a, b in [*product(moving, obstacles), *combinations(links, 2)]
@@ -85,16 +85,16 @@ class BatchClearance:
         ]
         self._request = distance_request()
         self._vertices = {
-            group: _hull_vertices([_vertices(whole) for whole in moving if whole.group == group])
-            for group in sorted({whole.group for whole in moving})
+            group: _hull_vertices([_vertices(hull) for hull in moving if hull.group == group])
+            for group in sorted({hull.group for hull in moving})
         }
         self._centroids = {group: points.mean(axis=0)[None] for group, points in self._vertices.items()}
         self._extremes = {group: _extremes(points) for group, points in self._vertices.items()}
 
-    def _with_parts(self, body: Body, whole: Whole) -> _Whole:
-        parts = tuple(self._placed(body, body.solids[part]) for part in whole.parts)
-        placed = self._placed(body, whole.solid)
-        return _Whole(placed.shape, placed.group, placed.placement, placed.center, placed.radius, body, parts)
+    def _with_parts(self, body: Body, hull: Hull) -> _Hull:
+        parts = tuple(self._placed(body, body.solids[part]) for part in hull.parts)
+        placed = self._placed(body, hull.solid)
+        return _Hull(placed.shape, placed.group, placed.placement, placed.center, placed.radius, body, parts)
 
     def _placed(self, body: Body, solid: Solid) -> _Placed:
         center = self.kinematics.placement(body.joint, body.pose) @ [*solid.center, 1.0]
@@ -137,7 +137,7 @@ class BatchClearance:
 
     def _pair_clearance(self, frames: GroupFrames, clearance: Array) -> Array:
         """Lower the clearances by pairs of bodies; -inf where a margin is not kept."""
-        centers = {id(whole): frames.place(whole.group, whole.center) for whole in self._wholes}
+        centers = {id(hull): frames.place(hull.group, hull.center) for hull in self._hulls}
         result = clearance.copy()
         for a, b, margin in self._pairs:
             # A pair matters below what is known, and below its margin in any case; once it is out, nowhere.
@@ -151,15 +151,15 @@ class BatchClearance:
             result[near] = np.where(distances < margin, -np.inf, np.minimum(result[near], distances))
         return result
 
-    def _distances(self, frames: GroupFrames, which: Indices, a: _Whole, b: _Whole) -> Array:
+    def _distances(self, frames: GroupFrames, which: Indices, a: _Hull, b: _Hull) -> Array:
         """Return the distances of two hulls in some configurations, shape (n,)."""
         poses = zip(a.poses(frames, which), b.poses(frames, which), strict=True)
         return np.array([self._distance(a.shape, at, b.shape, there) for at, there in poses])
 
-    def _piece_distances(self, frames: GroupFrames, most: Array, a: _Whole, b: _Whole) -> Array:
+    def _piece_distances(self, frames: GroupFrames, most: Array, a: _Hull, b: _Hull) -> Array:
         """Return the least distances between pieces of two bodies, or `most` where that is less, shape (N,)."""
         pairs = list(product(a.parts, b.parts))
-        centers, others = (np.array([frames.place(p.group, p.center) for p in whole.parts]) for whole in (a, b))
+        centers, others = (np.array([frames.place(p.group, p.center) for p in hull.parts]) for hull in (a, b))
         radii = np.array([first.radius + second.radius for first, second in pairs])
         apart = np.linalg.norm(centers[:, None] - others, axis=3).reshape(len(pairs), -1).T - radii
         # Pieces of one mesh have one pose.
@@ -185,9 +185,9 @@ def _take(frames: GroupFrames, which: Indices | NDArray[np.bool_]) -> GroupFrame
     return GroupFrames(frames.rotations[:, which], frames.translations[:, which])
 
 
-def _vertices(whole: _Whole) -> Array:
+def _vertices(hull: _Hull) -> Array:
     """Return the vertices of a hull in its group's frame; of a primitive, those of its bounding box."""
-    shape, placement = whole.shape, whole.placement
+    shape, placement = hull.shape, hull.placement
     if isinstance(shape, coal.ConvexBase):
         points = np.array(shape.points())
     else:

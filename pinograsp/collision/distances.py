@@ -24,7 +24,7 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..compiled import compiled
 from ..kinematics.forward import Configuration
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .pairs import pairs_of
 from .solids import distance_request
 from .world import BodyKey, World
@@ -48,7 +48,7 @@ class Distances:
 class CollisionModel:
     """The distances of a world at configurations of the robot."""
 
-    def __init__(self, robot: RobotModel, world: World) -> None:
+    def __init__(self, robot: Robot, world: World) -> None:
         self._robot = robot
         solids, self.pairs = pairs_of(robot, world)
         self.shapes = tuple(placed.solid.shape for placed in solids)

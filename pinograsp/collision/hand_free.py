@@ -9,12 +9,12 @@ import numpy as np
 from ..arrays import Array
 from ..kinematics.forward import forward
 from ..kinematics.hand_posture import Allowed
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .distances import CollisionModel
 from .world import CLEARANCES
 
 
-def hand_free(collisions: CollisionModel, robot: RobotModel) -> Allowed:
+def hand_free(collisions: CollisionModel, robot: Robot) -> Allowed:
     """Return the function that says whether the hand keeps its links off each other, given synergies."""
     joints, margins = collisions.joints.tolist(), np.array([pair.margin for pair in collisions.pairs])
     moved_by_hand = cache(robot.moved_by_hand)

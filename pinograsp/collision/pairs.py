@@ -11,7 +11,7 @@ import coal
 import numpy as np
 
 from ..geometry.patches import above
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .world import CLEARANCES, Body, BodyKey, Role, Solid, World
 
 FLUSH = 2e-5
@@ -48,7 +48,7 @@ class Pair:
         return f"{self.link} - {self.other}"
 
 
-def pairs_of(robot: RobotModel, world: World) -> tuple[list[PlacedSolid], tuple[Pair, ...]]:
+def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair, ...]]:
     """Return the solids of a world that are measured, and their pairs by number, those with walls first.
 
     Walls are measured against whole hulls: a half-space is as far from them as from the nearest piece.
@@ -56,7 +56,7 @@ def pairs_of(robot: RobotModel, world: World) -> tuple[list[PlacedSolid], tuple[
     numbers = count()
     carried, around = world.of("link", "held"), world.of("wall", "obstacle", "target")
     fine = [PlacedSolid(next(numbers), body, solid) for body in carried for solid in body.solids]
-    hulls = [PlacedSolid(next(numbers), body, whole.solid) for body in carried for whole in body.wholes]
+    hulls = [PlacedSolid(next(numbers), body, hull.solid) for body in carried for hull in body.hulls]
     others = [PlacedSolid(next(numbers), body, solid) for body in around for solid in body.solids]
     free = [placed for placed in fine if not _behind_its_pad(robot, placed)]
 
@@ -72,9 +72,7 @@ def pairs_of(robot: RobotModel, world: World) -> tuple[list[PlacedSolid], tuple[
     return [*fine, *hulls, *others], tuple(_kept_apart(robot, world, candidates))
 
 
-def _kept_apart(
-    robot: RobotModel, world: World, candidates: Iterable[tuple[PlacedSolid, PlacedSolid]]
-) -> Iterable[Pair]:
+def _kept_apart(robot: Robot, world: World, candidates: Iterable[tuple[PlacedSolid, PlacedSolid]]) -> Iterable[Pair]:
     """Return the pairs of solids whose bodies must keep apart."""
     apart: dict[tuple[BodyKey, BodyKey], bool] = {}
     for first, second in candidates:
@@ -89,7 +87,7 @@ def _kept_apart(
             yield Pair(CLEARANCES[role], link, other, first.number, second.number, world.margins[role])
 
 
-def _behind_its_pad(robot: RobotModel, placed: PlacedSolid) -> bool:
+def _behind_its_pad(robot: Robot, placed: PlacedSolid) -> bool:
     """Return whether the surface of a pad bounds a link, or this solid of it: as its rubber, or as what backs that.
 
     Then contact and tangency at the pad already keep the solid off a convex object. Its distance to the

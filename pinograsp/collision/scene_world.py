@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import Scene, Task
 from ..descriptions.scene import Margins
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .allowed_pairs import allowed_pairs
 from .solids import link_bodies, scene_body, wall_bodies
 from .world import World
 
-SLACK = 2e-5
+MARGIN_EXCESS = 2e-5
 """Kept on top of a task's margins, m: a certificate sees round primitives as facets that stand a bit outside them."""
 
 
-def enclosure_world(robot: RobotModel, scene: SceneDescription, margins: Margins) -> World:
+def enclosure_world(robot: Robot, scene: Scene, margins: Margins) -> World:
     """Return the robot, the walls and the fixed obstacles of a scene; objects are left out.
 
     Args:
@@ -29,7 +29,7 @@ def enclosure_world(robot: RobotModel, scene: SceneDescription, margins: Margins
     )
 
 
-def task_world(robot: RobotModel, scene: SceneDescription, task: TaskDescription) -> World:
+def task_world(robot: Robot, scene: Scene, task: Task) -> World:
     """Return the robot, the walls, the object of a task, and all that is an obstacle in it: the other objects too.
 
     Args:
@@ -39,7 +39,9 @@ def task_world(robot: RobotModel, scene: SceneDescription, task: TaskDescription
     """
     obstacles = [scene_body("obstacle", name, body) for name, body in scene.bodies_besides(task).items()]
     target = scene_body("target", task.object, scene.objects[task.object])
-    around, own, target_margin = (m + SLACK for m in (task.margin.enclosure, task.margin.robot, task.margin.object))
+    around, own, target_margin = (
+        m + MARGIN_EXCESS for m in (task.margin.enclosure, task.margin.robot, task.margin.object)
+    )
     return World(
         bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles, target),
         margins={"wall": around, "obstacle": around, "target": target_margin, "link": own, "held": own},

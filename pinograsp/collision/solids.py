@@ -19,9 +19,9 @@ from ..descriptions.scene import Enclosure
 from ..geometry.cover_cache import mesh_cover
 from ..geometry.shapes import surface_of
 from ..kinematics.collision_elements import CollisionElement, collision_elements
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..memo import remembered
-from .world import IDENTITY, Body, Role, Solid, Whole
+from .world import IDENTITY, Body, Hull, Role, Solid
 
 
 def distance_request() -> Any:
@@ -36,7 +36,7 @@ def distance_request() -> Any:
     return request
 
 
-def link_bodies(robot: RobotModel) -> tuple[Body, ...]:
+def link_bodies(robot: Robot) -> tuple[Body, ...]:
     """Return the collision geometry of a mounted robot by link: primitives, and of every mesh the convex pieces.
 
     Solids are those of the robot alone, made once for all its scenes and tasks.
@@ -48,17 +48,17 @@ def link_bodies(robot: RobotModel) -> tuple[Body, ...]:
 
 
 @remembered
-def _of_links(robot: RobotModel) -> tuple[Body, ...]:
+def _of_links(robot: Robot) -> tuple[Body, ...]:
     bodies = []
     for (link, joint), elements in groupby(
         collision_elements(robot), key=lambda element: (element.link, element.joint)
     ):
         solids = tuple(bounded(shape, element.placement) for element in elements for shape in _shapes(element, robot))
-        bodies.append(Body("link", link, joint, IDENTITY, solids, _wholes(solids)))
+        bodies.append(Body("link", link, joint, IDENTITY, solids, _hulls(solids)))
     return tuple(bodies)
 
 
-def _shapes(element: CollisionElement, robot: RobotModel) -> list[Any]:
+def _shapes(element: CollisionElement, robot: Robot) -> list[Any]:
     if element.mesh is None:
         return [_PRIMITIVES[element.kind](*element.size)]
     pieces, tolerance = robot.description.collision.of(element.link)
@@ -71,7 +71,7 @@ _PRIMITIVES = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder
 def scene_body(role: Role, name: str, body: BodyDescription) -> Body:
     """Return an obstacle or object of the scene."""
     solids = tuple(bounded(solid, IDENTITY) for solid in surface_of(body.shape).solids())
-    return Body(role, name, 0, body.pose.matrix, solids, _wholes(solids))
+    return Body(role, name, 0, body.pose.matrix, solids, _hulls(solids))
 
 
 def wall_bodies(enclosure: Enclosure) -> tuple[Body, ...]:
@@ -81,7 +81,7 @@ def wall_bodies(enclosure: Enclosure) -> tuple[Body, ...]:
         half_space = coal.Halfspace(inward, offset)  # the solid side: inward . p < offset
         half_space.computeLocalAABB()
         solid = Solid(half_space, IDENTITY, np.zeros(3), np.inf)
-        bodies.append(Body("wall", name, 0, IDENTITY, (solid,), (Whole(solid, (0,)),)))
+        bodies.append(Body("wall", name, 0, IDENTITY, (solid,), (Hull(solid, (0,)),)))
     return tuple(bodies)
 
 
@@ -107,7 +107,7 @@ def _convex(points: Array) -> Any:
     return coal.Convex.convexHull(cloud, True, "Qt")
 
 
-def _wholes(solids: tuple[Solid, ...]) -> tuple[Whole, ...]:
+def _hulls(solids: tuple[Solid, ...]) -> tuple[Hull, ...]:
     """Return solids of one body with all convex pieces made one hull; primitives stay as they are.
 
     The distance of a hull is that of the nearest piece if the other body is a half-space, else a lower bound of it.
@@ -115,7 +115,7 @@ def _wholes(solids: tuple[Solid, ...]) -> tuple[Whole, ...]:
     groups: dict[int, list[int]] = {}
     for i, solid in enumerate(solids):
         groups.setdefault(-1 if isinstance(solid.shape, coal.ConvexBase) else i, []).append(i)
-    return tuple(Whole(_joined([solids[i] for i in group]), tuple(group)) for group in groups.values())
+    return tuple(Hull(_joined([solids[i] for i in group]), tuple(group)) for group in groups.values())
 
 
 def _joined(pieces: list[Solid]) -> Solid:

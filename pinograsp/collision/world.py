@@ -42,7 +42,7 @@ class Solid(NamedTuple):
     """Of the bounding sphere, m; infinite for a wall."""
 
 
-class Whole(NamedTuple):
+class Hull(NamedTuple):
     """The convex hull of some solids of a body, or a single solid as it is."""
 
     solid: Solid
@@ -69,7 +69,7 @@ class Body:
     pose: Array
     """Of the body's frame in the parent's, shape (4, 4)."""
     solids: tuple[Solid, ...]
-    wholes: tuple[Whole, ...]
+    hulls: tuple[Hull, ...]
     """Hulls that together hold the solids: fewer, and larger."""
 
     @property
@@ -109,7 +109,7 @@ class World:
         Args:
             first: a link, or a body that is held.
             second: any other body.
-            supports: which joints move which: `RobotModel.supports`, shape (joints, nv).
+            supports: which joints move which: `Robot.supports`, shape (joints, nv).
         """
         moving = bool((supports[first.joint] != supports[second.joint]).any())
         return moving and second.role in self.margins and frozenset((first.key, second.key)) not in self.allowed

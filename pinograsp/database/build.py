@@ -18,11 +18,11 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
-from ..descriptions import SceneDescription
+from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..errors import InputError
 from ..execution import own_workers
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler, Spread
@@ -44,8 +44,8 @@ class BuildProgress:
 
 
 def build_database(
-    robot: RobotModel,
-    scene: SceneDescription,
+    robot: Robot,
+    scene: Scene,
     file: Path | str,
     *,
     size: int,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from ..descriptions import SceneDescription
+from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..disk import cache_folder
 from ..errors import InputError
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .build import BuildProgress, build_database
 from .identity import Identity
 from .store import Database
@@ -20,8 +20,8 @@ SEED = 0
 
 
 def cached_database(
-    robot: RobotModel,
-    scene: SceneDescription,
+    robot: Robot,
+    scene: Scene,
     margins: Margins,
     *,
     workers: int | None = None,

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions import RobotDescription, Scene
 from ..descriptions.composition import UrdfPart
 from ..descriptions.scene import Margins
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..memo import remembered
 
 MEANING = {
@@ -34,7 +34,7 @@ class Identity:
     margins: dict[str, Any]
 
     @classmethod
-    def of(cls, robot: RobotModel, scene: SceneDescription, margins: Margins) -> Identity:
+    def of(cls, robot: Robot, scene: Scene, margins: Margins) -> Identity:
         """Return the identity of a database for this robot, the enclosure of this scene and these margins."""
         return cls(
             robot=_robot_part(robot.unmounted),
@@ -79,7 +79,7 @@ class Identity:
 
 
 @remembered
-def _robot_part(robot: RobotModel) -> dict[str, Any]:
+def _robot_part(robot: Robot) -> dict[str, Any]:
     description, size = robot.description, robot.arm_size
     meshes = sorted({digest_of(Path(mesh)) for mesh in robot.urdf.meshes})
     return {
@@ -95,7 +95,7 @@ def _robot_part(robot: RobotModel) -> dict[str, Any]:
     }
 
 
-def _open_hand(robot: RobotModel) -> dict[str, float]:
+def _open_hand(robot: Robot) -> dict[str, float]:
     """Return the angles of the hand's joints, rad (m), and of others that the robot file holds somewhere."""
     q = robot.joint_positions(np.concatenate([np.zeros(robot.arm_size), hand_opening(robot)]))
     angles = dict(zip(robot.joint_names, q.tolist(), strict=True))

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from ..arrays import Array, Indices
 from ..collision.batch_clearance import BatchClearance
 from ..collision.scene_world import enclosure_world
-from ..descriptions import SceneDescription
+from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..kinematics.hand_posture import hand_opening
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 
 Spread = Literal["joints", "wrist"]
 DRAWS = 65_536
@@ -48,7 +48,7 @@ class Batch:
 class BatchSampler:
     """Draws batches for a robot in an enclosure."""
 
-    def __init__(self, robot: RobotModel, scene: SceneDescription, margins: Margins, seed: int, spread: Spread) -> None:
+    def __init__(self, robot: Robot, scene: Scene, margins: Margins, seed: int, spread: Spread) -> None:
         mounted = robot.mounted(scene.mounting.matrix)
         self._clearance = BatchClearance(mounted, enclosure_world(mounted, scene, margins), hand_opening(mounted))
         self._low, self._high = _range(mounted)
@@ -110,7 +110,7 @@ class BatchSampler:
         return np.asarray(np.minimum(1.0, wanted / np.maximum(counts, 1.0)))
 
 
-def _range(robot: RobotModel) -> tuple[Array, Array]:
+def _range(robot: Robot) -> tuple[Array, Array]:
     """Return the limits of the arm joints; of a continuous joint, one turn."""
     low, high = robot.lower[: robot.arm_size].copy(), robot.upper[: robot.arm_size].copy()
     for i, name in enumerate(robot.description.arm.joints):

@@ -7,13 +7,13 @@
 from .locate import shipped_robots, shipped_scenes
 from .pads import robot_for
 from .robot import RobotDescription, load_robot_description
-from .scene import SceneDescription, TaskDescription, load_scene
+from .scene import Scene, Task, load_scene
 from .schema import schema
 
 __all__ = [
     "RobotDescription",
-    "SceneDescription",
-    "TaskDescription",
+    "Scene",
+    "Task",
     "load_robot_description",
     "load_scene",
     "robot_for",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..errors import InputError, close_names
 from .robot import RobotDescription
-from .scene import SceneDescription
+from .scene import Scene
 
 
-def robot_for(robot: RobotDescription, scene: SceneDescription, task_name: str) -> RobotDescription:
+def robot_for(robot: RobotDescription, scene: Scene, task_name: str) -> RobotDescription:
     """Return the robot with the pads of a task, in its order, and its contact model: the other pads are links like any.
 
     Raises:

@@ -67,7 +67,7 @@ class Body(Frozen):
     pose: Pose = Pose()
 
 
-class ObjectDescription(Body):
+class Object(Body):
     """Something to grasp; in the tasks of other objects it is an obstacle."""
 
     center_of_mass: Vector3 = ZERO
@@ -137,7 +137,7 @@ class Reserves(Frozen):
     """
 
 
-class ApproachDescription(Frozen):
+class ApproachCone(Frozen):
     """A cone of approach directions: the wrist's z axis lies within `angle` of `direction`."""
 
     direction: UnitVector3
@@ -148,7 +148,7 @@ class ApproachDescription(Frozen):
     """Frame of `direction`."""
 
 
-class TaskDescription(Frozen):
+class Task(Frozen):
     """What to hold, where, against which wrench."""
 
     object: Name
@@ -172,7 +172,7 @@ class TaskDescription(Frozen):
     """What has to be where contact may be: all that pad and object touch, or the contact point alone (the paper)."""
     withstand: Positive | None = None
     """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
-    approach: ApproachDescription | None = None
+    approach: ApproachCone | None = None
     """Approach directions that are wanted; every direction if not given."""
     joint_ranges: dict[Name, OrderedInterval] = Field(default_factory=dict)
     """Ranges of arm joints and synergies within the robot's limits, rad (m).
@@ -201,7 +201,7 @@ class TaskDescription(Frozen):
         return AllOf(type="all_of", parts=tuple(parts)) if len(parts) > 1 else parts[0] if parts else None
 
 
-class SceneDescription(FileRoot):
+class Scene(FileRoot):
     """A scene file."""
 
     format: Format1
@@ -211,11 +211,11 @@ class SceneDescription(FileRoot):
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
     obstacles: dict[Name, Body] = Field(default_factory=dict)
-    objects: dict[Name, ObjectDescription]
-    tasks: dict[FileName, TaskDescription]
+    objects: dict[Name, Object]
+    tasks: dict[FileName, Task]
 
     @model_validator(mode="after")
-    def _references(self) -> SceneDescription:
+    def _references(self) -> Scene:
         for name, task in self.tasks.items():
             if task.object not in self.objects:
                 remedy = close_names(task.object, list(self.objects))
@@ -225,7 +225,7 @@ class SceneDescription(FileRoot):
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
         return self
 
-    def task(self, name: str) -> TaskDescription:
+    def task(self, name: str) -> Task:
         """Return a task by name.
 
         Raises:
@@ -236,7 +236,7 @@ class SceneDescription(FileRoot):
             raise InputError(f"no task {name!r} in this scene", file=self.source, key="tasks", remedy=remedy)
         return self.tasks[name]
 
-    def with_object_pose(self, name: str, pose: Pose) -> SceneDescription:
+    def with_object_pose(self, name: str, pose: Pose) -> Scene:
         """Return the scene with an object at another pose.
 
         Raises:
@@ -248,16 +248,16 @@ class SceneDescription(FileRoot):
         body = self.objects[name].model_copy(update={"pose": pose})
         return self.changed(objects={**self.objects, name: body})
 
-    def bodies_besides(self, task: TaskDescription) -> dict[str, Body]:
+    def bodies_besides(self, task: Task) -> dict[str, Body]:
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
 
 
-def load_scene(name: str | Path) -> SceneDescription:
+def load_scene(name: str | Path) -> Scene:
     """Read a scene file, given by path or by the name of a shipped scene.
 
     Raises:
         InputError: the file is missing, or a key or value is wrong.
     """
-    return read_file(locate.scene_file(name), SceneDescription)
+    return read_file(locate.scene_file(name), Scene)

@@ -7,9 +7,9 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from .robot import RobotDescription
-from .scene import SceneDescription
+from .scene import Scene
 
-_MODELS: dict[str, type[BaseModel]] = {"robot": RobotDescription, "scene": SceneDescription}
+_MODELS: dict[str, type[BaseModel]] = {"robot": RobotDescription, "scene": Scene}
 
 
 def schema(kind: Literal["robot", "scene"]) -> dict[str, Any]:

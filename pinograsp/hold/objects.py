@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import TaskDescription
-from ..descriptions.scene import ObjectDescription
+from ..descriptions import Task
+from ..descriptions.scene import Object
 from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
 from ..errors import InputError
 from ..verification.resistance import mass_of
@@ -56,7 +56,7 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     return BODIES[type(shape)](shape)
 
 
-def required_mass(body: ObjectDescription, task: TaskDescription) -> float:
+def required_mass(body: Object, task: Task) -> float:
     """Return the mass of the object, kg.
 
     Raises:

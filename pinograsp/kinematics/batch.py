@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from .robot import RobotModel
+from .robot import Robot
 
 WORLD = -1
 """Group of what no arm joint moves."""
@@ -37,7 +37,7 @@ class GroupFrames:
 class BatchKinematics:
     """The arm's joints as constant placements and rotations about (or shifts along) z."""
 
-    def __init__(self, robot: RobotModel, synergies: Array) -> None:
+    def __init__(self, robot: Robot, synergies: Array) -> None:
         model, data = robot.model, robot.model.createData()
         posture = np.concatenate([np.zeros(robot.arm_size), synergies])
         pin.computeJointJacobians(model, data, robot.joint_positions(posture))

@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
 from ..descriptions.urdf_checks import number
 from ..errors import InputError
-from .robot import RobotModel
+from .robot import Robot
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ _SIZES = {"box": {"size": 3}, "sphere": {"radius": 1}, "cylinder": {"radius": 1,
 """Sizes that every kind must have, with the count of numbers."""
 
 
-def collision_elements(robot: RobotModel) -> list[CollisionElement]:
+def collision_elements(robot: Robot) -> list[CollisionElement]:
     """Return the collision geometry of all links of a robot, from the base outwards.
 
     Raises:

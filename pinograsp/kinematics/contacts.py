@@ -16,7 +16,7 @@ from ..arrays import Array, Indices
 from ..compiled import compiled
 from ..geometry.patches import patch_point
 from .forward import Configuration
-from .robot import PadFrames, RobotModel
+from .robot import PadFrames, Robot
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _placed(
     return R, points, normals
 
 
-def jacobian_derivatives(robot: RobotModel, contacts: ContactKinematics) -> Array:
+def jacobian_derivatives(robot: Robot, contacts: ContactKinematics) -> Array:
     """Return the derivatives of the hand Jacobians in x = (posture, q_c), shape (n, 6, h, v)."""
     owners = robot.pad_frames.owners
     return _jacobian_derivatives(

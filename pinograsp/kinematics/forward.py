@@ -9,14 +9,14 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from .robot import RobotModel
+from .robot import Robot
 
 
 @dataclass(frozen=True)
 class Configuration:
     """A posture whose kinematics have been computed."""
 
-    robot: RobotModel
+    robot: Robot
     posture: Array
     """(q_a, sigma), shape (l + s,)."""
     rotations: Array
@@ -27,7 +27,7 @@ class Configuration:
     """World spatial Jacobian columns of all joints (linear at the world's origin, angular), shape (6, nv)."""
 
 
-def forward(robot: RobotModel, data: Any, posture: Array) -> Configuration:
+def forward(robot: Robot, data: Any, posture: Array) -> Configuration:
     """Compute poses and joint Jacobians.
 
     Args:

@@ -15,7 +15,7 @@ import pinocchio as pin
 from ..arrays import Array
 from ..descriptions.patches import LinePatch, PlanePatch
 from ..geometry.patches import patch_point
-from .robot import RobotModel
+from .robot import Robot
 
 GRID = 17
 """Values per synergy that are tried."""
@@ -37,9 +37,9 @@ class Pads(NamedTuple):
     """Outward, shape (n, 3)."""
 
 
-def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, Pads]]:
+def synergy_postures(robot: Robot) -> Iterator[tuple[Array, Pads]]:
     """Yield synergies sigma within the limits, with the pads: on a grid, or at random if there are many synergies."""
-    hold = _holder(robot)
+    pads_at = _pad_kinematics(robot)
     lower, upper, _ = _ranges(robot)
     if len(lower) <= 2:
         tried = np.array(
@@ -49,10 +49,10 @@ def synergy_postures(robot: RobotModel) -> Iterator[tuple[Array, Pads]]:
         tried = np.random.default_rng(0).uniform(lower, upper, (DRAWS, len(lower)))
     for sigma in tried:
         if _allowed(robot, sigma):
-            yield sigma, hold(sigma)
+            yield sigma, pads_at(sigma)
 
 
-def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array, free: Allowed | None = None) -> Array:
+def preshape(robot: Robot, desired_points: Array, inward_normals: Array, free: Allowed | None = None) -> Array:
     """Return the synergies that hold the pads as the desired contacts lie to each other, as nearly as they can.
 
     Args:
@@ -64,12 +64,12 @@ def preshape(robot: RobotModel, desired_points: Array, inward_normals: Array, fr
     return _best(robot, lambda pads: _misfit(pads, desired_points, inward_normals), free)
 
 
-def hand_opening(robot: RobotModel) -> Array:
+def hand_opening(robot: Robot) -> Array:
     """Return the synergies that hold the pads farthest apart, shape (s,)."""
     return _best(robot, lambda pads: -float(_distances(pads.points).sum()))
 
 
-def widest_jaw(robot: RobotModel) -> float | None:
+def widest_jaw(robot: Robot) -> float | None:
     """Return the greatest distance between two flat pads that face each other, m; None if no two ever do."""
     widest: float | None = None
     flat = [i for i, pad in enumerate(robot.pads) if isinstance(pad.patch, PlanePatch | LinePatch)]
@@ -81,7 +81,7 @@ def widest_jaw(robot: RobotModel) -> float | None:
     return widest
 
 
-def always_parallel(robot: RobotModel) -> bool:
+def always_parallel(robot: Robot) -> bool:
     """Whether the robot has two flat pads whose normals are opposite in every posture of the hand that is tried."""
     flat = all(isinstance(pad.patch, PlanePatch | LinePatch) for pad in robot.pads)
     return (
@@ -91,23 +91,23 @@ def always_parallel(robot: RobotModel) -> bool:
     )
 
 
-def _best(robot: RobotModel, loss: Callable[[Pads], float], free: Allowed | None = None) -> Array:
+def _best(robot: Robot, loss: Callable[[Pads], float], free: Allowed | None = None) -> Array:
     """Return the synergies of least loss: of `synergy_postures`, and where these are random of lines from the best."""
     ranked = sorted(((loss(pads), *sigma) for sigma, pads in synergy_postures(robot)), key=lambda found: found[0])
     least, *chosen = next((found for found in ranked if free is None or free(np.array(found[1:]))), ranked[0])
-    sigma, hold = np.array(chosen), _holder(robot)
+    sigma, pads_at = np.array(chosen), _pad_kinematics(robot)
     lower, upper, moving = _ranges(robot)
     for k in 2 * moving if len(sigma) > 2 else ():
         for value in np.linspace(lower[k], upper[k], GRID):
             trial = sigma.copy()
             trial[k] = value
-            tried = loss(hold(trial)) if _allowed(robot, trial) else np.inf
+            tried = loss(pads_at(trial)) if _allowed(robot, trial) else np.inf
             if tried < least - 1e-9 and (free is None or free(trial)):
                 least, sigma = tried, trial
     return sigma
 
 
-def _ranges(robot: RobotModel) -> tuple[Array, Array, list[int]]:
+def _ranges(robot: Robot) -> tuple[Array, Array, list[int]]:
     """Return the limits of the synergies, equal for those that move no pad, and which ones move one."""
     lower, upper = robot.lower[robot.arm_size :].copy(), robot.upper[robot.arm_size :].copy()
     moves = np.array([robot.supports[pad.joint] for pad in robot.pads]) @ np.abs(robot.B[:, robot.arm_size :])
@@ -116,7 +116,7 @@ def _ranges(robot: RobotModel) -> tuple[Array, Array, list[int]]:
     return lower, upper, np.flatnonzero(~still).tolist()
 
 
-def _allowed(robot: RobotModel, sigma: Array) -> bool:
+def _allowed(robot: Robot, sigma: Array) -> bool:
     """Whether joints that several synergies move are within their limits."""
     shared = robot.shared_joints
     lower, upper = robot.joint_limits
@@ -124,13 +124,13 @@ def _allowed(robot: RobotModel, sigma: Array) -> bool:
     return bool((q >= lower[shared]).all() and (q <= upper[shared]).all())
 
 
-def _holder(robot: RobotModel) -> Callable[[Array], Pads]:
+def _pad_kinematics(robot: Robot) -> Callable[[Array], Pads]:
     """Return the function that places the pads, given synergies."""
     data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
     middles = robot.parameter_limits.mean(axis=1)
     local = [patch_point(pad.patch, middles[pad.parameters]) for pad in robot.pads]
 
-    def hold(sigma: Array) -> Pads:
+    def pads_at(sigma: Array) -> Pads:
         posture[robot.arm_size :] = sigma
         pin.forwardKinematics(robot.model, data, robot.joint_positions(posture))
         poses = [data.oMi[pad.joint] for pad in robot.pads]
@@ -140,7 +140,7 @@ def _holder(robot: RobotModel) -> Callable[[Array], Pads]:
             normals[i] = T.rotation @ (pad.rotation @ at.normal)
         return Pads(points, normals)
 
-    return hold
+    return pads_at
 
 
 def _distances(points: Array) -> Array:

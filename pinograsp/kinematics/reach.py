@@ -9,10 +9,10 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..geometry.patches import patch_point
-from .robot import Pad, RobotModel
+from .robot import Pad, Robot
 
 
-def arm_reach(robot: RobotModel) -> tuple[Array, float]:
+def arm_reach(robot: Robot) -> tuple[Array, float]:
     """Return the origin of the first arm joint, world, m, shape (3,), and a bound on the distance of contacts, m."""
     model, data = robot.model, robot.model.createData()
     pin.forwardKinematics(model, data, robot.q_0)

@@ -31,7 +31,7 @@ from ..geometry.patches import patch_point
 from . import urdf
 from .names import check_names
 
-TURN, SLIDE, SLIP = 1.0, 0.1, 0.02
+TURN_STEP, SLIDE_STEP, SLIP_STEP = 1.0, 0.1, 0.02
 """Comparable steps of a turning joint, rad, a sliding joint, m, and a contact on its pad, m."""
 
 
@@ -67,7 +67,7 @@ class PadFrames(NamedTuple):
     """Pad of every contact parameter, shape (c,)."""
 
 
-class RobotModel:
+class Robot:
     """A robot whose root link stands at `T_world_root`; see the module's docstring for B and q_0.
 
     The URDF is read once, here. `mounted` and `with_pads` give robots that share all else with this one, quickly.
@@ -114,14 +114,14 @@ class RobotModel:
         content, pads = self.unmounted.description.model_dump_json(), tuple(pad.name for pad in self.description.pads)
         return (_rebuilt, (content, tuple(sorted(self.files.items())), pads, self.T_world_root))
 
-    def mounted(self, T_world_root: Array) -> RobotModel:
+    def mounted(self, T_world_root: Array) -> Robot:
         """Return the same robot with its root link at another pose, shape (4, 4)."""
         robot = self._alike()
         robot.T_world_root = T_world_root
         robot.model = _mounted(self.unmounted.model, T_world_root)
         return robot
 
-    def with_pads(self, names: tuple[str, ...]) -> RobotModel:
+    def with_pads(self, names: tuple[str, ...]) -> Robot:
         """Return the same robot with only some of its pads, by name, in the order given."""
         pads = {pad.name: pad for pad in self.unmounted.description.pads}
         robot = self._alike()
@@ -129,8 +129,8 @@ class RobotModel:
         robot._place_pads()
         return robot
 
-    def _alike(self) -> RobotModel:
-        robot = object.__new__(RobotModel)
+    def _alike(self) -> Robot:
+        robot = object.__new__(Robot)
         robot.__dict__.update(self.__dict__)
         return robot
 
@@ -236,11 +236,11 @@ class RobotModel:
 
     def _step_units(self) -> Array:
         """Return a step of every variable of x = (posture, q_c) that moves a contact alike, shape (v,)."""
-        steps = {name: SLIDE if kind == "prismatic" else TURN for name, kind in self.urdf.movable.items()}
+        steps = {name: SLIDE_STEP if kind == "prismatic" else TURN_STEP for name, kind in self.urdf.movable.items()}
         posture = [min(steps[name] / abs(factor) for name, factor in column.items()) for column in self._columns()]
         middle = self.parameter_limits.mean(axis=1)
         lengths = [np.linalg.norm(patch_point(pad.patch, middle[pad.parameters]).d_point, axis=0) for pad in self.pads]
-        return np.concatenate([posture, SLIP / np.concatenate(lengths)])
+        return np.concatenate([posture, SLIP_STEP / np.concatenate(lengths)])
 
     def _pad(self, number: int) -> Pad:
         pads = self.description.pads
@@ -267,20 +267,18 @@ def _mounted(model: Any, T_world_root: Array) -> Any:
 
 
 @lru_cache(maxsize=8)
-def _built(content: str, files: tuple[tuple[str, str], ...]) -> RobotModel:
+def _built(content: str, files: tuple[tuple[str, str], ...]) -> Robot:
     """Return the robot of a robot file's content (JSON), built once a process for each content of its files.
 
     Raises:
         InputError: the files here are not those that the robot was loaded from.
     """
-    robot = RobotModel(RobotDescription.model_validate_json(content))
+    robot = Robot(RobotDescription.model_validate_json(content))
     require_same(robot.description, dict(files), robot.files)
     return robot
 
 
-def _rebuilt(
-    content: str, files: tuple[tuple[str, str], ...], pads: tuple[str, ...], T_world_root: Array
-) -> RobotModel:
+def _rebuilt(content: str, files: tuple[tuple[str, str], ...], pads: tuple[str, ...], T_world_root: Array) -> Robot:
     """Return a pickled robot."""
     return _built(content, files).with_pads(pads).mounted(T_world_root)
 

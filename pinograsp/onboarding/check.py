@@ -9,7 +9,7 @@ from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from ..kinematics.collision_elements import link_elements
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .collisions import collision_findings
 from .findings import Finding, LinkFigures
 from .hand import hand_findings
@@ -25,7 +25,7 @@ class Report:
 
     findings: tuple[Finding, ...]
     links: tuple[LinkFigures, ...] = ()
-    robot: RobotModel | None = None
+    robot: Robot | None = None
     """None if the file gives no robot."""
 
     @property
@@ -37,7 +37,7 @@ class Report:
 def check_robot(description: RobotDescription) -> Report:
     """Look at a robot file. What makes it useless is a finding, too; nothing is raised."""
     try:
-        robot = RobotModel(description)
+        robot = Robot(description)
     except InputError as error:
         return Report(_refused(description, error))
     try:

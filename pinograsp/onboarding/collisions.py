@@ -16,7 +16,7 @@ from ..collision.world import Body, BodyKey
 from ..descriptions.scene import Margins
 from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.forward import forward
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..kinematics.tree import UrdfTree
 from .findings import Finding, in_words
 
@@ -26,7 +26,7 @@ CENTRAL = 0.9
 Links = frozenset[str]
 
 
-def collision_findings(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
+def collision_findings(robot: Robot, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
     """Look for links that collide, with the margin that a task has if it gives none."""
     margin = Margins().robot
     allowed = allowed_pairs(robot, margin)
@@ -74,7 +74,7 @@ def _found_without_srdf(excused: frozenset[Links], tree: UrdfTree) -> Finding:
     return Finding("ok", what)
 
 
-def _overlaps(robot: RobotModel, pairs: list[tuple[Body, Body]], posture: Array) -> dict[Links, float]:
+def _overlaps(robot: Robot, pairs: list[tuple[Body, Body]], posture: Array) -> dict[Links, float]:
     """Return the links whose solids overlap in a posture, and how deep, m."""
     configuration, request = forward(robot, robot.model.createData(), posture), distance_request()
 

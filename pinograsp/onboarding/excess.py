@@ -11,7 +11,7 @@ from ..geometry.cover_cache import mesh_cover
 from ..geometry.hulls import Hull, boundary
 from ..geometry.mesh_surface import MeshSurface
 from ..kinematics.collision_elements import collision_elements
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .link_meshes import element_triangles
 
 SAMPLES = 1500
@@ -29,7 +29,7 @@ def excess(pieces: Sequence[Array], triangles: Array, samples: int = SAMPLES) ->
     return MeshSurface(triangles).distances(points)
 
 
-def link_covers(robot: RobotModel) -> dict[str, tuple[int, Array]]:
+def link_covers(robot: Robot) -> dict[str, tuple[int, Array]]:
     """Return for every link with collision geometry how many pieces stand for it, and their excess, m."""
     found: dict[str, tuple[int, Array]] = {}
     for element in collision_elements(robot):

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .findings import Finding, in_words, number_of
 
 POSTURES = 400
@@ -22,7 +22,7 @@ ASKEW, ASIDE = math.radians(30.0), math.radians(75.0)
 """The wrist's z axis may be this far off the direction to the pads: of two, which a jaw has ahead, and of more."""
 
 
-def hand_findings(robot: RobotModel) -> Iterator[Finding]:
+def hand_findings(robot: Robot) -> Iterator[Finding]:
     """Judge pads and wrist over postures of the hand, the arm in the middle of its limits."""
     pads = robot.description.pads
     hard = sum(pad.contact.model == "hard_finger" for pad in pads)
@@ -35,7 +35,7 @@ def hand_findings(robot: RobotModel) -> Iterator[Finding]:
     yield from _approach(robot, points, wrists)
 
 
-def _contacts(robot: RobotModel) -> tuple[Array, Array, Array]:
+def _contacts(robot: Robot) -> tuple[Array, Array, Array]:
     """Return pad centres and normals, shapes (postures, pads, 3), and wrist poses, shape (postures, 4, 4)."""
     data, centers, size = robot.model.createData(), robot.parameter_limits.mean(axis=1), robot.arm_size
     low, high = robot.lower[size:], robot.upper[size:]
@@ -56,7 +56,7 @@ def _contacts(robot: RobotModel) -> tuple[Array, Array, Array]:
     return np.array(points), np.array(normals), np.array(wrists)
 
 
-def _facing(robot: RobotModel, points: Array, normals: Array) -> Iterator[Finding]:
+def _facing(robot: Robot, points: Array, normals: Array) -> Iterator[Finding]:
     names = [pad.name for pad in robot.description.pads]
     best = np.full((len(names), len(names)), math.pi)
     gaps: list[float] = []
@@ -82,7 +82,7 @@ def _facing(robot: RobotModel, points: Array, normals: Array) -> Iterator[Findin
         yield Finding("ok", f"pads face each other, {low:.1f} to {high:.1f} mm apart")
 
 
-def _approach(robot: RobotModel, points: Array, wrists: Array) -> Iterator[Finding]:
+def _approach(robot: Robot, points: Array, wrists: Array) -> Iterator[Finding]:
     wrist, remedy = (
         robot.description.arm.wrist,
         "Name a link under arm.wrist whose z axis points to where the pads close",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import RobotUrdf
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .findings import Finding, in_words, number_of
 
 WIDEST = {"revolute": 4 * math.pi, "prismatic": 10.0}
@@ -31,7 +31,7 @@ def unusable_limits(description: RobotDescription, urdf: RobotUrdf) -> Iterator[
                 yield Finding("wrong", f"joint {name} has no usable limits ({low:g} .. {high:g})", f"Give {key}")
 
 
-def joint_findings(robot: RobotModel) -> Iterator[Finding]:
+def joint_findings(robot: Robot) -> Iterator[Finding]:
     """Say what moves what, and what does not."""
     yield from _arm(robot)
     yield from _wide(robot)
@@ -48,7 +48,7 @@ def joint_findings(robot: RobotModel) -> Iterator[Finding]:
         )
 
 
-def _arm(robot: RobotModel) -> Iterator[Finding]:
+def _arm(robot: Robot) -> Iterator[Finding]:
     arm, wrist = robot.description.arm, robot.model.frames[robot.wrist_frame].parentJoint
     order = [robot.joint_names.index(name) for name in arm.joints]
     idle = [name for name, row in zip(arm.joints, order, strict=True) if not robot.supports[wrist, row]]
@@ -63,14 +63,14 @@ def _arm(robot: RobotModel) -> Iterator[Finding]:
         yield Finding("ok", f"the wrist, {arm.wrist}, is moved by {number_of(len(order), 'joint')}{some}")
 
 
-def _wide(robot: RobotModel) -> Iterator[Finding]:
+def _wide(robot: Robot) -> Iterator[Finding]:
     for name, low, high in zip(robot.posture_names, robot.lower, robot.upper, strict=True):
         if high - low > WIDEST.get(robot.urdf.movable.get(name, ""), math.inf) + 1e-6:
             remedy = "Give narrower ones in the robot file: starts are drawn from all of the range"
             yield Finding("doubtful", f"the limits of {name} are {low:g} .. {high:g}", remedy)
 
 
-def _narrowed(robot: RobotModel) -> Iterator[Finding]:
+def _narrowed(robot: Robot) -> Iterator[Finding]:
     """Find joints that cannot use their range because one that follows them has a smaller one."""
     lower, upper = robot.joint_limits
     for column, name in enumerate(robot.posture_names):

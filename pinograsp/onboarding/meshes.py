@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .excess import link_covers
 from .findings import Finding, LinkFigures, in_words
 
@@ -19,7 +19,7 @@ LARGEST, SMALLEST = 3.0, 0.002
 _SAMPLES = 48
 
 
-def link_figures(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> list[LinkFigures]:
+def link_figures(robot: Robot, meshes: Mapping[str, TriangleMesh]) -> list[LinkFigures]:
     """Return the figures of every link with collision geometry."""
     found = []
     for link, (pieces, distances) in link_covers(robot).items():
@@ -29,9 +29,7 @@ def link_figures(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> list[
     return found
 
 
-def mesh_findings(
-    figures: list[LinkFigures], meshes: Mapping[str, TriangleMesh], robot: RobotModel
-) -> Iterator[Finding]:
+def mesh_findings(figures: list[LinkFigures], meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding]:
     """Judge the meshes."""
     open_ones = [figure.link for figure in figures if not figure.closed]
     leaky = [link for link in open_ones if not encloses(meshes[link])]
@@ -67,7 +65,7 @@ def encloses(mesh: TriangleMesh) -> bool:
     return bool((np.abs(windings - windings.round()) < 0.2).mean() > 0.95)
 
 
-def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: RobotModel) -> Iterator[Finding]:
+def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding]:
     """Find what would move unseen, and what cannot be shown."""
     body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in robot.urdf.links}
     solid = {body[link] for link in meshes}

@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..descriptions.hand import PadDescription
 from ..geometry.patches import patch_point
 from ..geometry.triangle_mesh import TriangleMesh
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from .findings import Finding
 
 OFF = 0.001
@@ -21,7 +21,7 @@ PROBE = 0.0015
 STEPS = 7
 
 
-def pad_findings(robot: RobotModel, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
+def pad_findings(robot: Robot, meshes: Mapping[str, TriangleMesh]) -> Iterator[Finding]:
     """Compare every pad with the collision geometry of its link."""
     for pad in robot.description.pads:
         if pad.link not in meshes:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import State, TaskModel
 from ..results import Grasp, claim_of, grasp_of
@@ -70,7 +70,7 @@ def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> C
 
 
 @remembered
-def require_consistent(robot: RobotModel) -> None:
+def require_consistent(robot: Robot) -> None:
     """Refuse an unmounted robot whose files have changed since it was loaded; have the verification read them too.
 
     From then on solver and verification keep what they have read.

@@ -7,9 +7,9 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 
-from ..descriptions import SceneDescription
+from ..descriptions import Scene
 from ..execution import Workers
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..problem import TaskModel
 from ..results import Grasp, ordered
 from ..verification import Certificate, Claim, Figure, Verifier
@@ -52,7 +52,7 @@ def _with(grasp: Grasp, figures: tuple[Figure, ...]) -> Grasp:
     return replace(grasp, certificate=Certificate((*grasp.certificate.figures, *figures)))
 
 
-def _grader(robot: RobotModel, scene: SceneDescription, task: str) -> Callable[[Numbered], Graded]:
+def _grader(robot: Robot, scene: Scene, task: str) -> Callable[[Numbered], Graded]:
     """Build, in a worker, what grades claims: the robot is known there, and no model of the task is needed."""
     verifier = Verifier(robot.description, scene, task)
     return lambda item: (item[0], verifier.resistance(item[1]))

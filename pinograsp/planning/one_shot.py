@@ -7,8 +7,8 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from ..database import BuildProgress, Database
-from ..descriptions import SceneDescription
-from ..kinematics.robot import RobotModel
+from ..descriptions import Scene
+from ..kinematics.robot import Robot
 from ..results import Result
 from ..solve import SolverOptions
 from .outcomes import Progress
@@ -16,8 +16,8 @@ from .session import DEFAULT_STARTS, Planner
 
 
 def plan(
-    robot: RobotModel,
-    scene: SceneDescription,
+    robot: Robot,
+    scene: Scene,
     task: str,
     *,
     starts: int = DEFAULT_STARTS,

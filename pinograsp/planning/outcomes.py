@@ -21,9 +21,9 @@ class Progress:
 
     done: int
     total: int
-    reliable: int
+    verified: int
     best_U: float
-    """Infinite until the first reliable grasp."""
+    """Infinite until the first verified grasp."""
 
 
 @dataclass
@@ -64,7 +64,7 @@ class Run:
             grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
-            reliable=sum(1 for attempt in attempts if attempt.grasp),
+            verified=sum(1 for attempt in attempts if attempt.grasp),
             refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified and not too_weak(a)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
@@ -107,7 +107,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
 
 
 def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
-    """Return kind, violation, unit and place of what kept an attempt from being reliable."""
+    """Return kind, violation, unit and place of what kept an attempt from being verified."""
     if attempt.certificate:
         figure = attempt.certificate.refuted_by[0]
         if too_weak(attempt):

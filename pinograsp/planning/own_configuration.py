@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, close_names
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..problem import GraspProblem, State, TaskModel
 from ..results import claim_of
 from ..solve.projection import nearest_assignment
@@ -56,7 +56,7 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
     return ConfigurationCheck(verifier.certify(claim), verifier.clearances(claim.joints))
 
 
-def _posture(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:
+def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     """Return the posture (q_a, sigma), shape (l + s,), and the joints that were given by name."""
     try:
         return _numbers(robot, q)
@@ -64,7 +64,7 @@ def _posture(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, floa
         raise InputError(f"numbers are wanted: {error}", key="q") from None
 
 
-def _numbers(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, float]]:
+def _numbers(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     names = robot.posture_names
     if isinstance(q, Mapping):
         known = [*names, *robot.joint_names]
@@ -86,7 +86,7 @@ def _numbers(robot: RobotModel, q: Configuration) -> tuple[Array, dict[str, floa
     return posture, given
 
 
-def _synergies(robot: RobotModel, joints: Mapping[str, float]) -> dict[str, float]:
+def _synergies(robot: Robot, joints: Mapping[str, float]) -> dict[str, float]:
     """Return the synergies that come nearest to the angles of the hand's joints; nothing if some are not given."""
     names = [robot.joint_names[joint] for joint in robot.hand_joints]
     if not all(name in joints for name in names):

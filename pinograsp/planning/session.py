@@ -13,12 +13,12 @@ from typing import Self
 
 from ..arrays import Array
 from ..database import BuildProgress, Database, Identity, cached_database
-from ..descriptions import SceneDescription
+from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
 from ..errors import InputError, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
 from ..results import Grasp, Result, Setup
@@ -58,8 +58,8 @@ class Planner:
 
     def __init__(
         self,
-        robot: RobotModel,
-        scene: SceneDescription,
+        robot: Robot,
+        scene: Scene,
         *,
         database: Database | Path | str | None = None,
         workers: int | None = None,
@@ -253,7 +253,7 @@ class Planner:
 
 
 @remembered
-def _indices(robot: RobotModel) -> dict[tuple[str, str, int, int], StartIndex]:
+def _indices(robot: Robot) -> dict[tuple[str, str, int, int], StartIndex]:
     """Return the place where the indices of a robot are kept, by identity and file of their database, as it is now."""
     del robot
     return {}

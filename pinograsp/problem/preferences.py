@@ -7,16 +7,16 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import Scene, Task
 from ..errors import InputError, close_names
 from ..geometry.cone import Cone
 from ..geometry.patches import inside_rim
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 
-TURN = 2.0 * math.pi
+WHOLE_TURN = 2.0 * math.pi
 
 
-def approach_cone(task: TaskDescription, T_world_object: Array) -> Cone | None:
+def approach_cone(task: Task, T_world_object: Array) -> Cone | None:
     """Return the cone of a task in the world, or None if every approach direction is fine."""
     if task.approach is None:
         return None
@@ -24,7 +24,7 @@ def approach_cone(task: TaskDescription, T_world_object: Array) -> Cone | None:
     return Cone(R @ np.array(task.approach.direction), task.approach.angle)
 
 
-def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
+def posture_bounds(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, Array]:
     """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task.
 
     The task asks for a reserve of the arm joints that have limits, and for ranges.
@@ -46,7 +46,7 @@ def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -
             problem = f"{name!r} is no arm joint or synergy of {robot.description.name}"
             raise InputError(problem, file=scene.source, key=key, remedy=remedy)
         i = names.index(name)
-        shift = TURN * round(0.5 * (low + high) / TURN) if robot.turns_freely(name) else 0.0
+        shift = WHOLE_TURN * round(0.5 * (low + high) / WHOLE_TURN) if robot.turns_freely(name) else 0.0
         narrowed = max(lower[i], low - shift), min(upper[i], high - shift)
         if narrowed[0] >= narrowed[1]:
             problem = f"[{low:g}, {high:g}] does not meet the limits [{lower[i]:g}, {upper[i]:g}] of the robot"
@@ -57,7 +57,7 @@ def posture_bounds(robot: RobotModel, scene: SceneDescription, task_name: str) -
     return lower, upper
 
 
-def _within_reserve(robot: RobotModel, scene: SceneDescription, task_name: str) -> tuple[Array, Array]:
+def _within_reserve(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, Array]:
     """Return the robot's limits of the posture, those of arm joints less the task's reserve."""
     reserve, lower, upper = scene.task(task_name).reserve.joint, robot.lower.copy(), robot.upper.copy()
     for i, name in enumerate(robot.description.arm.joints):
@@ -71,7 +71,7 @@ def _within_reserve(robot: RobotModel, scene: SceneDescription, task_name: str) 
     return lower, upper
 
 
-def parameter_limits(robot: RobotModel, scene: SceneDescription, task_name: str) -> Array:
+def parameter_limits(robot: Robot, scene: Scene, task_name: str) -> Array:
     """Return the ranges of the contact parameters q_c, within the task's reserve from the rims, shape (c, 2).
 
     Raises:

@@ -11,12 +11,12 @@ from ..arrays import Array
 from ..collision.distances import CollisionModel
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
-from ..descriptions import SceneDescription, TaskDescription, robot_for
+from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
 from ..geometry.contact_faces import ContactFace, Flat, Ruling
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
 from .preferences import approach_cone, parameter_limits, posture_bounds
 
@@ -24,9 +24,9 @@ from .preferences import approach_cone, parameter_limits, posture_bounds
 class TaskModel:
     """What stays the same over all points of a task: robot, geometry, load, limits."""
 
-    def __init__(self, robot: RobotModel, scene: SceneDescription, task_name: str) -> None:
+    def __init__(self, robot: Robot, scene: Scene, task_name: str) -> None:
         self.scene, self.task_name = scene, task_name
-        self.task: TaskDescription = scene.task(task_name)
+        self.task: Task = scene.task(task_name)
         pads = robot_for(robot.description, scene, task_name).pads
         self.robot = robot.with_pads(tuple(pad.name for pad in pads)).mounted(scene.mounting.matrix)
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
@@ -55,7 +55,7 @@ class TaskModel:
         self.approach = approach_cone(self.task, self.T_world_object)
         self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
 
-    def moved(self, name: str, scene: SceneDescription) -> TaskModel:
+    def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.
 
         Args:

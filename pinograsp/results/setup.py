@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..descriptions import RobotDescription, SceneDescription
+from ..descriptions import RobotDescription, Scene
 
 
 @dataclass(frozen=True)
@@ -13,6 +13,6 @@ class Setup:
 
     robot: RobotDescription
     """The robot file, with every pad of the robot."""
-    scene: SceneDescription
+    scene: Scene
     task: str
     """Name of a task of the scene."""

@@ -47,9 +47,9 @@ def grasp_table(result: Result, rows: int = 10, by: str = SCORE) -> Table:
 
 def outcome_lines(result: Result) -> list[str]:
     """Return what became of the starts, in words."""
-    share = f" ({100 * result.reliable / result.done:.1f} %)" if result.done else ""
+    share = f" ({100 * result.verified / result.done:.1f} %)" if result.done else ""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in result.counts.items() if count)
-    lines = [f"{result.reliable} of {result.done} starts reliable{share}; solver: {outcomes or 'no start'}"]
+    lines = [f"{result.verified} of {result.done} starts verified{share}; solver: {outcomes or 'no start'}"]
     if result.done < result.starts:
         reason = "interrupted" if result.interrupted else "no more collision-free starts near the object were found"
         lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: {reason}")

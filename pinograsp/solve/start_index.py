@@ -19,9 +19,9 @@ from ..geometry.patches import patch_point
 from ..kinematics.batch import BatchKinematics
 from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from ..problem import TaskModel
-from .starts import SLACK, held, postures, turning
+from .starts import RANGE_SLACK, held, postures, turning
 
 MOST_ROWS = 400_000
 """Of a larger database an even share is taken."""
@@ -75,7 +75,7 @@ class StartIndex:
         robot: mounted as in the database.
     """
 
-    def __init__(self, database: Database, robot: RobotModel) -> None:
+    def __init__(self, database: Database, robot: Robot) -> None:
         share = max(1, math.ceil(database.rows() / MOST_ROWS))
         angles = [f"q{i}" for i in range(1, robot.arm_size + 1)]
         columns = database.connection.execute(
@@ -91,7 +91,7 @@ class StartIndex:
         """Return up to `count` postures (q_a, sigma), the most promising first, shape (found, l + s).
 
         Those that keep the task's cone of approach directions and its joint ranges come first, then those that miss
-        them by up to `starts.SLACK`, as in `starts_near`.
+        them by up to `starts.RANGE_SLACK`, as in `starts_near`.
 
         Args:
             model: the task.
@@ -104,7 +104,7 @@ class StartIndex:
         rows = np.atleast_1d(rows)
         found = postures(model, self._q[rows], hand.synergies)
         missed = self._missed(model, found, self._approaches[rows])
-        kept = np.where(missed > SLACK, 2, np.where(missed > 0.0, 1, 0))
+        kept = np.where(missed > RANGE_SLACK, 2, np.where(missed > 0.0, 1, 0))
         order = np.lexsort([hand.misses(self._q[rows], model.desired_points), kept])
         return found[order[kept[order] < 2][:count]]
 
@@ -121,7 +121,7 @@ class StartIndex:
         return np.asarray(missed)
 
 
-def _reach(robot: RobotModel) -> float:
+def _reach(robot: Robot) -> float:
     """Return how far the middle between the pads is from the wrist along its z axis, m, the hand in mid-range."""
     configuration = forward(robot, robot.model.createData(), 0.5 * (robot.lower + robot.upper))
     points = contact_kinematics(configuration, robot.parameter_limits.mean(axis=1)).points

@@ -13,12 +13,12 @@ from ..geometry.cone import Cone
 from ..kinematics.hand_posture import preshape
 from ..problem import TaskModel
 
-SLACK = 0.6
+RANGE_SLACK = 0.6
 """How far starts may miss the task's cone of approach directions and joint ranges where too few keep them, rad.
 
 Of starts that miss a narrow cone and two ranges by up to 0.3, 0.6, 1.0 rad, 93, 89, 74 % led to a grasp.
 """
-TURN = 2.0 * math.pi
+WHOLE_TURN = 2.0 * math.pi
 
 
 def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> Array:
@@ -32,7 +32,7 @@ def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> 
     found = _selection(database, model, count, seed, 0.0)
     q = found.q
     if len(q) < count:
-        wider = _selection(database, model, count, seed, SLACK)
+        wider = _selection(database, model, count, seed, RANGE_SLACK)
         q = np.vstack([q, wider.q[~np.isin(wider.samples, found.samples)]])[:count]
     return postures(model, q, held(model))
 
@@ -56,7 +56,7 @@ def postures(model: TaskModel, q: Array, synergies: Array) -> Array:
     """
     q = q.copy()
     for i in turning(model).values():
-        q[:, i] -= TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / TURN)
+        q[:, i] -= WHOLE_TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / WHOLE_TURN)
     return np.column_stack([q, np.tile(synergies, (len(q), 1))])
 
 
@@ -84,8 +84,8 @@ def _intervals(model: TaskModel, slack: float) -> dict[str, list[tuple[float, fl
     for i, name in enumerate(model.robot.description.arm.joints):
         if name in turned:
             low, high = float(model.lower[i]) - slack, float(model.upper[i]) + slack
-            most = math.ceil((model.robot.upper[i] - model.robot.lower[i]) / TURN)
-            intervals[name] = [(low + TURN * k, high + TURN * k) for k in range(-most, most + 1)]
+            most = math.ceil((model.robot.upper[i] - model.robot.lower[i]) / WHOLE_TURN)
+            intervals[name] = [(low + WHOLE_TURN * k, high + WHOLE_TURN * k) for k in range(-most, most + 1)]
         elif name in model.task.joint_ranges:
             intervals[name] = [(float(model.lower[i]), float(model.upper[i]))]
     return intervals

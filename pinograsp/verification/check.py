@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import RobotDescription, SceneDescription, robot_for
+from ..descriptions import RobotDescription, Scene, robot_for
 from ..errors import InputError, close_names
 from .certificate import Certificate, Figure
 from .claim import Claim
@@ -44,7 +44,7 @@ class Verifier:
         InputError: a file is missing or cannot be read, or there is no such task.
     """
 
-    def __init__(self, robot: RobotDescription, scene: SceneDescription, task_name: str) -> None:
+    def __init__(self, robot: RobotDescription, scene: Scene, task_name: str) -> None:
         read = read_robot(robot)
         self._robot = read
         self._task = scene.task(task_name)
@@ -283,9 +283,7 @@ def _unknown(figures: Sequence[Figure]) -> tuple[Figure, ...]:
     return tuple(replace(figure, value=math.nan, where=where) for figure in figures)
 
 
-def _require_ranges_known(
-    scene: SceneDescription, task_name: str, kinematics: Kinematics, synergies: Synergies
-) -> None:
+def _require_ranges_known(scene: Scene, task_name: str, kinematics: Kinematics, synergies: Synergies) -> None:
     """Refuse a task with ranges of joints that the URDF does not have, and that are no synergies."""
     joints = {*(joint.name for joint in kinematics.joints), *synergies.names}
     for name in scene.task(task_name).joint_ranges:

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 from ..arrays import Array
 from ..descriptions.hand import PadDescription
-from ..descriptions.scene import TaskDescription
+from ..descriptions.scene import Task
 from .claim import Claim
 from .forces import spin_force
 
 
-def force_cost(claim: Claim, pad_normals: Array, pads: Sequence[PadDescription], task: TaskDescription) -> float:
+def force_cost(claim: Claim, pad_normals: Array, pads: Sequence[PadDescription], task: Task) -> float:
     """Return V (A7), dimensionless.
 
     The conditions are Coulomb's (17), (A1) with the friction angle's cosine as alpha, the least normal force (18),

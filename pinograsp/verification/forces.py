@@ -9,14 +9,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.hand import PadDescription, SoftFinger
-from ..descriptions.scene import TaskDescription
+from ..descriptions.scene import Task
 from .certificate import Figure
 from .claim import Claim
 
 
-def balance_figures(
-    claim: Claim, pad_normals: Array, center_of_mass: Array, radius: float, task: TaskDescription
-) -> list[Figure]:
+def balance_figures(claim: Claim, pad_normals: Array, center_of_mass: Array, radius: float, task: Task) -> list[Figure]:
     """Return the unbalanced force, N, and torque about the centre of mass, N m.
 
     Args:
@@ -41,7 +39,7 @@ def balance_figures(
     ]
 
 
-def force_figures(claim: Claim, inward: Array, pads: Sequence[PadDescription], task: TaskDescription) -> list[Figure]:
+def force_figures(claim: Claim, inward: Array, pads: Sequence[PadDescription], task: Task) -> list[Figure]:
     """Return the figures of friction and force limits, N.
 
     Args:

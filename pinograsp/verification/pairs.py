@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import combinations
 
 from ..descriptions.urdf import RobotUrdf
+from .allowed_pairs import Sampling, sorted_out
 from .clearance import LinkPair
 from .link_mesh import LinkMesh
-from .without_srdf import Sampling, sorted_out
 
 _EXCUSED = {"adjacent", "default", "always", "user"}
 

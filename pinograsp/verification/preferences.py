@@ -8,7 +8,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.scene import ApproachDescription
+from ..descriptions.scene import ApproachCone
 from .certificate import Figure
 from .joints import Limits
 
@@ -16,7 +16,7 @@ TOLERANCE = 1e-9
 """rad (m for sliding joints)."""
 
 
-def approach_figure(approach: ApproachDescription, T_world_object: Array, T_world_wrist: Array, wrist: str) -> Figure:
+def approach_figure(approach: ApproachCone, T_world_object: Array, T_world_wrist: Array, wrist: str) -> Figure:
     """Return the angle of the wrist's z axis from the direction that is wanted, rad."""
     given = np.array(approach.direction)
     wanted = given if approach.frame == "world" else T_world_object[:3, :3] @ given

@@ -36,7 +36,7 @@ import numpy as np
 
 from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
-from ..descriptions.scene import ObjectDescription, TaskDescription
+from ..descriptions.scene import Object, Task
 from .balance import BalanceProblem, ContactPoints, Limits
 from .certificate import Figure
 from .claim import Claim
@@ -64,7 +64,7 @@ class Hold:
     """The wrench on the object that the planned forces balance: force and torque about the centre of mass, (6,)."""
 
 
-def mass_of(body: ObjectDescription, task: TaskDescription) -> float | None:
+def mass_of(body: Object, task: Task) -> float | None:
     """Return the mass of an object, kg: its own, or what the task's force weighs; None if that is nothing."""
     if body.mass is not None:
         return float(body.mass)
@@ -77,7 +77,7 @@ def hold_of(
     pads: Pads,
     areas: Sequence[Array],
     rates: Sequence[Array],
-    task: TaskDescription,
+    task: Task,
     center_of_mass: Array,
     radius: float,
 ) -> Hold:

@@ -6,13 +6,13 @@ from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError, close_names
 from ..memo import remembered
+from .allowed_pairs import Sampling
 from .clearance import LinkPair
 from .joints import joint_limits
 from .kinematics import Kinematics, parsed
 from .meshes import read_meshes
 from .pairs import link_pairs
 from .synergies import Synergies
-from .without_srdf import Sampling
 
 
 @remembered

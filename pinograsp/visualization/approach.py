@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..descriptions.scene import ApproachDescription, ObjectDescription
+from ..descriptions.scene import ApproachCone, Object
 from . import colors
 from .symbols import Look, Piece, between, draw
 from .viewer import Visualizer, geometry
@@ -17,7 +17,7 @@ STEPS = 24
 """Pieces of the cap from the axis to the border; there are three times as many around."""
 
 
-def draw_approach(node: Visualizer, approach: ApproachDescription, target: ObjectDescription) -> None:
+def draw_approach(node: Visualizer, approach: ApproachCone, target: Object) -> None:
     """Draw the cone with its apex at the object's centre of mass; it opens against the direction, towards the hand."""
     R = target.pose.matrix[:3, :3] if approach.frame == "object" else np.eye(3)
     toward = R @ np.array(approach.direction)

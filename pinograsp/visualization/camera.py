@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import Scene, Task
 from ..results.grasp import Grasp
 from .viewer import Visualizer
 
@@ -28,7 +28,7 @@ class View:
     target: Array
 
 
-def whole_box(scene: SceneDescription, task: TaskDescription) -> View:
+def whole_box(scene: Scene, task: Task) -> View:
     """Return a view of the whole enclosure from beyond the object, back to the mounting of the arm."""
     low, high = np.array(scene.enclosure.min), np.array(scene.enclosure.max)
     reach = _reach(scene, task)
@@ -37,7 +37,7 @@ def whole_box(scene: SceneDescription, task: TaskDescription) -> View:
     return _view(target, direction, 0.9 * float(np.linalg.norm(high - low)) / 2)
 
 
-def close_up(grasp: Grasp, scene: SceneDescription, task: TaskDescription) -> View:
+def close_up(grasp: Grasp, scene: Scene, task: Task) -> View:
     """Return a view of the object across the line that joins the first two contacts, from beyond the hand."""
     reach = _reach(scene, task)
     line = grasp.contacts[1].point - grasp.contacts[0].point
@@ -72,7 +72,7 @@ def y_up(p: Array) -> list[float]:
     return [float(p[0]), float(p[2]), float(-p[1])]
 
 
-def _reach(scene: SceneDescription, task: TaskDescription) -> Array:
+def _reach(scene: Scene, task: Task) -> Array:
     """Return the horizontal unit vector from the mounting to the object, shape (3,)."""
     reach = scene.objects[task.object].center_of_mass_world - np.array(scene.mounting.position)
     reach[2] = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import Scene, Task
 from ..results.grasp import Contact, Grasp
 from . import colors
 from .symbols import Look, arrow, ball, draw, friction_cone
@@ -19,7 +19,7 @@ CONTACT_RADIUS = 0.003
 DESIRED_RADIUS = 0.005
 
 
-def draw_forces(viewer: Visualizer, grasp: Grasp, scene: SceneDescription, task: TaskDescription) -> None:
+def draw_forces(viewer: Visualizer, grasp: Grasp, scene: Scene, task: Task) -> None:
     """Draw what acts on the object below the nodes `contacts` and `wrench`; one scale for all arrows."""
     weight = np.array(task.wrench.force)
     scale = arrow_scale([weight, *(contact.force for contact in grasp.contacts)])

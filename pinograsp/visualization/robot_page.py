@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
 from ..disk import write_whole
 from ..kinematics.forward import forward
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 from . import camera, colors
 from .pads import draw_pad
 from .page import legend, page, view_button
@@ -45,7 +45,7 @@ class Remark(NamedTuple):
     remedy: str
 
 
-def write_robot_html(robot: RobotModel, remarks: Sequence[Remark], file: Path) -> None:
+def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path) -> None:
     """Write a robot as one HTML file: the picture, to turn with the mouse, beside joint sliders and remarks.
 
     The file is complete or not there; an older one is replaced. Links without visual geometry, or whose meshes for show
@@ -70,7 +70,7 @@ def write_robot_html(robot: RobotModel, remarks: Sequence[Remark], file: Path) -
     write_whole(file, page(robot.description.name, "\n".join(panel), recorder.commands, views))
 
 
-def _draw(world: Visualizer, robot: RobotModel, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:
+def _draw(world: Visualizer, robot: Robot, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:
     """Draw robot, pads and wrist; return what moves with the joints, and the views of the page."""
     joints = dict(zip(robot.joint_names, robot.joint_positions(posture).tolist(), strict=True))
     drawn = draw_urdf(world, shown(robot.urdf.composed), robot.description, joints, np.eye(4))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..descriptions import SceneDescription, TaskDescription
+from ..descriptions import Scene, Task
 from ..descriptions.regions import Region
 from ..descriptions.scene import Body, Enclosure
 from ..geometry.shapes import surface_of
@@ -18,7 +18,7 @@ WALL_THICKNESS = 0.004
 EDGE_RADIUS = 0.003
 
 
-def draw_scene(viewer: Visualizer, scene: SceneDescription, task: TaskDescription) -> None:
+def draw_scene(viewer: Visualizer, scene: Scene, task: Task) -> None:
     """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names."""
     draw_enclosure(viewer["enclosure"], scene.enclosure)
     _draw_object(viewer["object"], scene.objects[task.object], task.contact_region)

@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
-from ..kinematics.robot import RobotModel
+from ..kinematics.robot import Robot
 
 Nodes = dict[str, tuple[int, Array]]
 """What moves: path in meshcat's tree to joint of the model and pose in its frame (may scale), shape (4, 4)."""
@@ -23,7 +23,7 @@ Nodes = dict[str, tuple[int, Array]]
 STEPS = 1000
 
 
-def sliders(robot: RobotModel, posture: Array, nodes: Nodes) -> str:
+def sliders(robot: Robot, posture: Array, nodes: Nodes) -> str:
     """Return HTML with a slider for every arm joint and synergy, and the script that moves the nodes.
 
     Args:
@@ -66,7 +66,7 @@ def _row(number: int, name: str, kind: str | None, low: float, high: float, valu
     )
 
 
-def _joints(robot: RobotModel) -> list[dict[str, Any]]:
+def _joints(robot: Robot) -> list[dict[str, Any]]:
     """Return parent, placement and axis of every joint, in the model's order; the world, joint 0, is left out."""
     model, data = robot.model, robot.model.createData()
     pin.computeJointJacobians(model, data, np.zeros(model.nv))

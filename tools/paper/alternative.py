@@ -76,7 +76,7 @@ def alternative_section(session: Session, results: Results) -> list[Block]:
     ]
 
 
-def _rows(session: Session, robot: pinograsp.RobotModel, case: Case, result: pinograsp.Result) -> list[tuple[str, ...]]:
+def _rows(session: Session, robot: pinograsp.Robot, case: Case, result: pinograsp.Result) -> list[tuple[str, ...]]:
     name, seconds = robot.description.name, search_seconds(result)
     grid = {
         name: getattr(module, name)
@@ -99,11 +99,11 @@ def _rows(session: Session, robot: pinograsp.RobotModel, case: Case, result: pin
         rows.append((case.title, name, way, *map(str, numbers), best, f"{found['seconds']:.1f} s"))
     best = f"{costs(result)[0]:.6g}" if result.grasps else "-"
     way = f"optimisation, {result.done} starts"
-    rows.append((case.title, name, way, *4 * ("",), str(result.reliable), best, f"{seconds:.1f} s"))
+    rows.append((case.title, name, way, *4 * ("",), str(result.verified), best, f"{seconds:.1f} s"))
     return rows
 
 
-def search(session: Session, robot: pinograsp.RobotModel, case: Case, seconds: float) -> dict[str, Any]:
+def search(session: Session, robot: pinograsp.Robot, case: Case, seconds: float) -> dict[str, Any]:
     """Return what the desired points alone give, and what the grid gives within a time, as JSON data."""
     print(f"{robot.description.name}-{case.name}: the simple way for up to {seconds:.0f} s", flush=True)
     scene = pinograsp.load_scene(case.scene)
@@ -119,7 +119,7 @@ def search(session: Session, robot: pinograsp.RobotModel, case: Case, seconds: f
 
 def _tried(
     session: Session,
-    robot: pinograsp.RobotModel,
+    robot: pinograsp.Robot,
     case: Case,
     seeds: np.ndarray,
     lines: list[hand_poses.Line],
@@ -152,8 +152,8 @@ def _tried(
 
 
 def _prepare(
-    robot: pinograsp.RobotModel,
-    scene: pinograsp.descriptions.SceneDescription,
+    robot: pinograsp.Robot,
+    scene: pinograsp.descriptions.Scene,
     task: str,
     lines: list[hand_poses.Line],
     seeds: np.ndarray,

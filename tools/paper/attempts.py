@@ -14,7 +14,7 @@ import numpy as np
 
 import pinograsp
 from pinograsp.database import cached_database
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.execution import own_workers
 from pinograsp.planning.attempt import Solver, attempts_of
 from pinograsp.problem import TaskModel
@@ -45,7 +45,7 @@ def by_options(options: SolverOptions) -> Method:
     return partial(LocalSolver, options=options)
 
 
-def postures_of(robot: pinograsp.RobotModel, scene: SceneDescription, task: str, count: int, seed: int) -> np.ndarray:
+def postures_of(robot: pinograsp.Robot, scene: Scene, task: str, count: int, seed: int) -> np.ndarray:
     """Return the starts that a plan of as many starts has, shape (count, l + s)."""
     model = TaskModel(robot, scene, task)
     rows = Lines("rows of the start database")
@@ -55,8 +55,8 @@ def postures_of(robot: pinograsp.RobotModel, scene: SceneDescription, task: str,
 
 
 def attempt_all(
-    robot: pinograsp.RobotModel,
-    scene: SceneDescription,
+    robot: pinograsp.Robot,
+    scene: Scene,
     task: str,
     postures: np.ndarray,
     method: Method,
@@ -70,7 +70,7 @@ def attempt_all(
         for attempt in pool.run(prepare, items, chunk=2):
             solution, U = attempt.solution, attempt.grasp.cost.U if attempt.grasp else None
             done.append(Attempt(solution.start, U, solution.evaluations, solution.seconds))
-            lines(len(done), len(postures), f"{sum(a.U is not None for a in done)} reliable")
+            lines(len(done), len(postures), f"{sum(a.U is not None for a in done)} verified")
     return sorted(done, key=lambda a: a.start)
 
 
@@ -84,7 +84,7 @@ def of_data(data: Sequence[dict[str, Any]]) -> list[Attempt]:
     return [Attempt(**entry) for entry in data]
 
 
-HEAD = ("reliable", "near the best", "best U", "evaluations a start", "ms a start", "reliable a second and core")
+HEAD = ("verified", "near the best", "best U", "evaluations a start", "ms a start", "verified a second and core")
 
 
 def attempts_table(of_methods: dict[tuple[str, ...], list[Attempt]], head: tuple[str, ...]) -> Table:

@@ -21,7 +21,7 @@ class Printed:
     sim: int
     figure: int
     """Number of the figure with the sorted costs."""
-    reliable: int
+    verified: int
     U: float
     phi_mm2: float
     V: float
@@ -39,8 +39,8 @@ class Printed:
 class Marks:
     """What a run of 1304 starts has to reach."""
 
-    reliable: float
-    """Least share of reliable starts."""
+    verified: float
+    """Least share of verified starts."""
     near_best: float | None
     """Least share of these within 1 % + 1 mm^2 of the best U; None: only reported."""
     most_U: float
@@ -73,7 +73,7 @@ _PAPER = {
             printed=Printed(
                 sim=1,
                 figure=4,
-                reliable=722,
+                verified=722,
                 U=2.178,
                 phi_mm2=3.5e-5,
                 V=2.178,
@@ -86,7 +86,7 @@ _PAPER = {
                 f_1=(-1.000, -3.631, 0.000),
                 f_2=(-0.999, 3.631, -0.000),
             ),
-            marks=Marks(reliable=0.88, near_best=0.85, most_U=2.180),
+            marks=Marks(verified=0.88, near_best=0.85, most_U=2.180),
         ),
         Case(
             name="case1",
@@ -96,7 +96,7 @@ _PAPER = {
             printed=Printed(
                 sim=2,
                 figure=7,
-                reliable=479,
+                verified=479,
                 U=5.094,
                 phi_mm2=2.912,
                 V=2.181,
@@ -109,7 +109,7 @@ _PAPER = {
                 f_1=(-0.985, -3.630, 0.092),
                 f_2=(-1.014, 3.630, -0.092),
             ),
-            marks=Marks(reliable=0.80, near_best=0.45, most_U=2.185),
+            marks=Marks(verified=0.80, near_best=0.45, most_U=2.185),
         ),
         Case(
             name="case2",
@@ -119,7 +119,7 @@ _PAPER = {
             printed=Printed(
                 sim=3,
                 figure=10,
-                reliable=101,
+                verified=101,
                 U=3738.0,
                 phi_mm2=3736.0,
                 V=2.195,
@@ -132,7 +132,7 @@ _PAPER = {
                 f_1=(-1.062, -0.872, 3.527),
                 f_2=(-0.937, 0.872, -3.527),
             ),
-            marks=Marks(reliable=0.75, near_best=None, most_U=290.0, penetration_mm=0.02),
+            marks=Marks(verified=0.75, near_best=None, most_U=290.0, penetration_mm=0.02),
         ),
         Case(
             name="case3",
@@ -142,7 +142,7 @@ _PAPER = {
             printed=Printed(
                 sim=4,
                 figure=12,
-                reliable=507,
+                verified=507,
                 U=2410.0,
                 phi_mm2=2408.0,
                 V=2.198,
@@ -155,7 +155,7 @@ _PAPER = {
                 f_1=(-0.840, -3.630, -0.029),
                 f_2=(-1.159, 3.630, 0.029),
             ),
-            marks=Marks(reliable=0.88, near_best=0.88, least_U=2314.2, most_U=2315.0),
+            marks=Marks(verified=0.88, near_best=0.88, least_U=2314.2, most_U=2315.0),
         ),
     )
 }

@@ -78,7 +78,7 @@ def _options(algorithm: str, projection: Projection, budget: int | None = None) 
     return SolverOptions(algorithm=algorithm, projection=projection, max_evaluations=budget)
 
 
-def compare(session: Session, robot: pinograsp.RobotModel, case: Case, starts: int) -> dict[str, Any]:
+def compare(session: Session, robot: pinograsp.Robot, case: Case, starts: int) -> dict[str, Any]:
     """Return prices of an evaluation and the attempts of every row, as JSON data."""
     scene = pinograsp.load_scene(case.scene)
     print(f"{robot.description.name}-{case.name}: solvers on {starts} starts", flush=True)

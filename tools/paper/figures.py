@@ -32,7 +32,7 @@ def sorted_costs_section(session: Session, results: Results, folder: Path) -> li
     return [
         Heading(2, "Sorted costs"),
         Text(
-            "U of every reliable grasp in descending order, as in Figures 4, 7, 10 and 12 of the paper; on a "
+            "U of every verified grasp in descending order, as in Figures 4, 7, 10 and 12 of the paper; on a "
             "logarithmic scale where it spans more than a decade."
         ),
         Pictures(pictures),
@@ -43,23 +43,23 @@ def draw_sorted_costs(of_robots: dict[str, list[float]], case: Case, file: Path)
     """Draw one figure.
 
     Args:
-        of_robots: ascending U of the reliable grasps by robot.
-        case: the case, for the paper's best U and number of reliable grasps.
+        of_robots: ascending U of the verified grasps by robot.
+        case: the case, for the paper's best U and number of verified grasps.
         file: PNG to write.
     """
     figure = Figure(figsize=(7.2, 4.2), dpi=130, layout="constrained")
     axes = figure.subplots()
     for (name, ascending), color in zip(of_robots.items(), COLORS, strict=False):
         numbers = np.arange(1, len(ascending) + 1)
-        axes.plot(numbers, ascending[::-1], color=color, lw=2.0, label=f"{name}: {len(ascending)} reliable")
+        axes.plot(numbers, ascending[::-1], color=color, lw=2.0, label=f"{name}: {len(ascending)} verified")
     printed = case.printed
-    label = f"paper: {printed.reliable} reliable, best U {printed.U:g}"
+    label = f"paper: {printed.verified} verified, best U {printed.U:g}"
     axes.axhline(printed.U, color=PAPER, ls="--", lw=1.2, label=label)
     everything = [printed.U, *(U for ascending in of_robots.values() for U in ascending)]
     if max(everything) > 10.0 * min(everything):
         axes.set_yscale("log")
     axes.set_ylim(0.8 * min(everything), 1.3 * max(everything))
-    axes.set_xlabel("reliable grasp")
+    axes.set_xlabel("verified grasp")
     axes.set_ylabel("U")
     axes.set_title(case.title)
     axes.grid(alpha=0.3, which="both")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 
 from .cases import Case
 from .store import Lines, Store, key_of
@@ -16,7 +16,7 @@ class Session:
     """What the whole page is made with."""
 
     store: Store
-    robots: tuple[pinograsp.RobotModel, ...]
+    robots: tuple[pinograsp.Robot, ...]
     cases: tuple[Case, ...]
     starts: int
     seed: int
@@ -43,9 +43,7 @@ def run_cases(session: Session) -> Results:
     }
 
 
-def run(
-    session: Session, robot: pinograsp.RobotModel, scene: SceneDescription, case: Case, name: str, starts: int
-) -> pinograsp.Result:
+def run(session: Session, robot: pinograsp.Robot, scene: Scene, case: Case, name: str, starts: int) -> pinograsp.Result:
     """Plan one case, or load its result.
 
     Args:
@@ -71,7 +69,7 @@ def run(
             workers=session.workers,
             seed=session.seed,
             options=options,
-            progress=lambda p: starts_done(p.done, p.total, f"{p.reliable} reliable, best U {p.best_U:.6g}"),
+            progress=lambda p: starts_done(p.done, p.total, f"{p.verified} verified, best U {p.best_U:.6g}"),
             build_progress=lambda p: rows_done(p.rows, p.size),
         )
 
@@ -84,7 +82,7 @@ def search_seconds(result: pinograsp.Result) -> float:
 
 
 def costs(result: pinograsp.Result) -> list[float]:
-    """Return U of every reliable start, ascending.
+    """Return U of every verified start, ascending.
 
     Near-identical grasps count with the U of the best of them.
     """

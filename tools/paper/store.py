@@ -18,14 +18,14 @@ from pathlib import Path
 from typing import Any
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 from pinograsp.disk import write_whole
 from pinograsp.results import provenance
 
 Key = dict[str, Any]
 
 
-def key_of(robot: pinograsp.RobotModel, scene: SceneDescription, task: str, **more: object) -> Key:
+def key_of(robot: pinograsp.Robot, scene: Scene, task: str, **more: object) -> Key:
     """Return what a computation with a robot at a task depends on, as JSON gives it back (infinities as text)."""
     digests = provenance(robot.description, scene, robot.files)["sha256"]
     weight = scene.task(task).force_weight

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import pinograsp
-from pinograsp.descriptions import SceneDescription
+from pinograsp.descriptions import Scene
 
 from .cases import CASES, V_LEAST, Case
 from .figures import draw_trade_off
@@ -30,14 +30,14 @@ def sweep_section(session: Session, starts: int, folder: Path) -> list[Block]:
         for k, result in results.items():
             best_own = of_least_U(result)
             if best_own is None:
-                rows.append((name, f"{k:g}", str(result.reliable), *6 * ("-",)))
+                rows.append((name, f"{k:g}", str(result.verified), *6 * ("-",)))
                 continue
             best = min(found, key=lambda cost, k=k: cost.phi_mm2 + k * cost.V)
             curves.setdefault(name, []).append((k, best.phi_mm2, best.V))
             own = best_own.cost
-            near = f"{100 * near_best(costs(result), own.U) / result.reliable:.1f} %"
+            near = f"{100 * near_best(costs(result), own.U) / result.verified:.1f} %"
             values = [text for cost in (own, best) for text in (f"{cost.phi_mm2:.2f}", f"{cost.V:.4f}")]
-            rows.append((name, f"{k:g}", str(result.reliable), near, f"{own.U:.6g}", *values))
+            rows.append((name, f"{k:g}", str(result.verified), near, f"{own.U:.6g}", *values))
     spans = [
         f"{name}: {np.ptp([phi for _, phi, _ in curve]):.2g} mm² in Phi, {np.ptp([V for *_, V in curve]):.2g} in V"
         for name, curve in curves.items()
@@ -53,7 +53,7 @@ def sweep_section(session: Session, starts: int, folder: Path) -> list[Block]:
         ),
         Table(
             (
-                *("robot", "k", "reliable", "near the best", "best U", "Phi, mm²", "V"),
+                *("robot", "k", "verified", "near the best", "best U", "Phi, mm²", "V"),
                 *("Phi of any k, mm²", "V of any k"),
             ),
             rows,
@@ -63,12 +63,12 @@ def sweep_section(session: Session, starts: int, folder: Path) -> list[Block]:
     ]
 
 
-def _planned(session: Session, robot: pinograsp.RobotModel, k: float, starts: int) -> pinograsp.Result:
+def _planned(session: Session, robot: pinograsp.Robot, k: float, starts: int) -> pinograsp.Result:
     scene = with_weight(pinograsp.load_scene(CASE.scene), CASE, k)
     return run(session, robot, scene, CASE, f"{CASE.name}-k{k:g}", starts)
 
 
-def with_weight(scene: SceneDescription, case: Case, k: float) -> SceneDescription:
+def with_weight(scene: Scene, case: Case, k: float) -> Scene:
     """Return the scene with another force weight in the case's task."""
     task = scene.task(case.task).model_copy(update={"force_weight": k})
     return scene.model_copy(update={"tasks": {**scene.tasks, case.task: task}})

@@ -32,13 +32,13 @@ def summary_section(session: Session, results: Results) -> list[Block]:
         rows.append(_printed_row(case))
         rows += [_row(case, name, results[name, case.name]) for name in session.names]
     head = (
-        *("case", "robot", "starts", "reliable", "near the best", "best U", "Phi, mm²", "V", "wall time"),
+        *("case", "robot", "starts", "verified", "near the best", "best U", "Phi, mm²", "V", "wall time"),
         "solver, a start and core",
     )
     return [
         Heading(2, "Summary"),
         Text(
-            "Reliable: the independent check verified the grasp. Near the best: share of the reliable ones with U "
+            "Verified: the independent check verified the grasp. Near the best: share of the verified ones with U "
             "within 1 % + 1 mm² of the best. The wall time does not contain the start database, which is made once "
             f"for a robot and an enclosure; {session.workers} workers. The paper's times: LN_COBYLA in C++, all cores "
             "of a desktop i7 at 3.6 GHz."
@@ -49,9 +49,9 @@ def summary_section(session: Session, results: Results) -> list[Block]:
 
 def _printed_row(case: Case) -> tuple[str, ...]:
     printed = case.printed
-    reliable = _share(printed.reliable, STARTS)
+    verified = _share(printed.verified, STARTS)
     values = (_number(printed.U), _number(printed.phi_mm2), f"{printed.V:.3f}")
-    return (case.title, "paper", str(STARTS), reliable, "", *values, "10-12 h", "")
+    return (case.title, "paper", str(STARTS), verified, "", *values, "10-12 h", "")
 
 
 def _row(case: Case, robot: str, result: pinograsp.Result) -> tuple[str, ...]:
@@ -59,10 +59,10 @@ def _row(case: Case, robot: str, result: pinograsp.Result) -> tuple[str, ...]:
     best = of_least_U(result)
     if best is not None:
         cost = best.cost
-        near = _share(near_best(costs(result), cost.U), result.reliable)
+        near = _share(near_best(costs(result), cost.U), result.verified)
         values = (_number(cost.U), _number(cost.phi_mm2), f"{cost.V:.4f}")
     times = (f"{search_seconds(result):.1f} s", f"{1e3 * result.times['solver_mean']:.1f} ms")
-    return (case.title, robot, str(result.done), _share(result.reliable, result.done), near, *values, *times)
+    return (case.title, robot, str(result.done), _share(result.verified, result.done), near, *values, *times)
 
 
 def marks_section(session: Session, results: Results) -> list[Block]:
@@ -84,9 +84,9 @@ def judge(case: Case, result: pinograsp.Result) -> dict[str, str]:
     """Return, by mark, what was reached and whether that is enough."""
     marks, best = case.marks, of_least_U(result)
     U = np.inf if best is None else best.cost.U
-    share = result.reliable / max(result.done, 1)
-    near = near_best(costs(result), U) / max(result.reliable, 1)
-    found = {f"reliable at least {100 * marks.reliable:.0f} %": _judged(_percent(share), share >= marks.reliable)}
+    share = result.verified / max(result.done, 1)
+    near = near_best(costs(result), U) / max(result.verified, 1)
+    found = {f"verified at least {100 * marks.verified:.0f} %": _judged(_percent(share), share >= marks.verified)}
     if marks.near_best is None:
         found["near the best (to report)"] = _percent(near)
     else:

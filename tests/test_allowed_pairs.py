@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from conftest import TOY_ROBOT, TOY_URDF, RobotFactory, collision_model
 
-from pinograsp import RobotModel
+from pinograsp import Robot
 from pinograsp.collision.allowed_pairs import allowed_pairs
-from pinograsp.descriptions import RobotDescription, SceneDescription
+from pinograsp.descriptions import RobotDescription, Scene
 from pinograsp.verification import Verifier
 
 MARGIN = 0.005
@@ -22,16 +22,16 @@ def pair(*links: str) -> frozenset[str]:
     return frozenset(links)
 
 
-def names_of_allowed(robot: RobotModel, margin: float) -> set[frozenset[str]]:
+def names_of_allowed(robot: Robot, margin: float) -> set[frozenset[str]]:
     return {frozenset(key.name for key in pair) for pair in allowed_pairs(robot, margin)}
 
 
-def solver_pairs(robot: RobotModel, scene: SceneDescription, task: str) -> Pairs:
+def solver_pairs(robot: Robot, scene: Scene, task: str) -> Pairs:
     collision = collision_model(robot, scene, task)
     return {pair(p.link, p.other) for p in collision.pairs if p.kind == "self clearance"}
 
 
-def verified_pairs(robot: RobotModel, scene: SceneDescription, task: str) -> tuple[Pairs, Pairs]:
+def verified_pairs(robot: Robot, scene: Scene, task: str) -> tuple[Pairs, Pairs]:
     """Pairs that must keep the margin, and those that must not touch."""
     verifier = Verifier(robot.description, scene, task)
     lists = (verifier._enabled, verifier._never)
@@ -39,13 +39,13 @@ def verified_pairs(robot: RobotModel, scene: SceneDescription, task: str) -> tup
 
 
 @pytest.fixture(scope="module")
-def bare_gen3(gen3: RobotModel) -> RobotModel:
-    return RobotModel(RobotDescription.model_validate(gen3.description.model_dump() | {"srdf": None}))
+def bare_gen3(gen3: Robot) -> Robot:
+    return Robot(RobotDescription.model_validate(gen3.description.model_dump() | {"srdf": None}))
 
 
 @pytest.mark.parametrize("name", ["gen3", "bare_gen3"])
 def test_solver_and_verification_check_the_same_pairs(
-    name: str, glovebox: SceneDescription, request: pytest.FixtureRequest
+    name: str, glovebox: Scene, request: pytest.FixtureRequest
 ) -> None:
     robot = request.getfixturevalue(name)
     enabled, never = verified_pairs(robot, glovebox, "sphere")
@@ -55,7 +55,7 @@ def test_solver_and_verification_check_the_same_pairs(
     assert not enabled & never
 
 
-def test_the_srdf_of_the_gen3_excuses_all_that_is_found_without_it(gen3: RobotModel, bare_gen3: RobotModel) -> None:
+def test_the_srdf_of_the_gen3_excuses_all_that_is_found_without_it(gen3: Robot, bare_gen3: Robot) -> None:
     """Adjacent, always and never: MoveIt's assistant found the same, and more with its 10,000 postures."""
     found = names_of_allowed(bare_gen3, MARGIN)
     assert found <= gen3.urdf.disabled_pairs
@@ -67,7 +67,7 @@ def test_the_srdf_of_the_gen3_excuses_all_that_is_found_without_it(gen3: RobotMo
     assert pair("base_link", "half_arm_1_link") not in found
 
 
-def test_an_srdf_everywhere_decides_alone(gen3: RobotModel) -> None:
+def test_an_srdf_everywhere_decides_alone(gen3: Robot) -> None:
     assert names_of_allowed(gen3, MARGIN) == gen3.urdf.disabled_pairs
 
 
@@ -132,11 +132,11 @@ def test_jaws_that_close_need_no_margin_but_may_not_touch(make_toy: RobotFactory
     assert fingers in solver_pairs(through, scene, "ball")
 
 
-def test_the_search_is_quick_and_the_same_every_time(bare_gen3: RobotModel) -> None:
-    robot = RobotModel(bare_gen3.description)
+def test_the_search_is_quick_and_the_same_every_time(bare_gen3: Robot) -> None:
+    robot = Robot(bare_gen3.description)
     began = time.process_time()
     found = names_of_allowed(robot, MARGIN)
     assert time.process_time() - began < 1.0
-    assert names_of_allowed(RobotModel(bare_gen3.description), MARGIN) == found
+    assert names_of_allowed(Robot(bare_gen3.description), MARGIN) == found
     turned = bare_gen3.mounted(np.array([[0, 0, 1, 0.3], [0, 1, 0, 0], [-1, 0, 0, 0.2], [0, 0, 0, 1.0]]))
     assert names_of_allowed(turned, MARGIN) == found
