@@ -210,7 +210,7 @@ def refuting(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("refuting")
-def test_refuted_grasps_are_not_reliable(gen3: Robot, glovebox: Scene) -> None:
+def test_refuted_grasps_are_not_verified(gen3: Robot, glovebox: Scene) -> None:
     result = plan(gen3, glovebox, "sphere", starts=6, workers=1)
     assert result.best is None
     assert result.verified == 0

@@ -400,7 +400,7 @@ def above(point: Array, shape: Shape) -> float:
 
 @SLOW
 @pytest.mark.parametrize("name", ROBOTS)
-def test_most_starts_are_reliable(name: str) -> None:
+def test_most_starts_are_verified(name: str) -> None:
     result = plan(robot_named(name), scene_of(name, "sphere"), "sphere", starts=500, workers=2)
     assert result.done == 500
     assert result.verified >= 300, result.blocked

@@ -16,7 +16,7 @@ from conftest import TOY_URDF, Array, RobotFactory, SceneFactory, collision_mode
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
 from pinograsp.collision.solids import bounded, link_bodies
-from pinograsp.collision.world import IDENTITY, Body, BodyKey, Whole, World
+from pinograsp.collision.world import IDENTITY, Body, BodyKey, Hull, World
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
 from pinograsp.errors import InputError
@@ -93,7 +93,7 @@ def held_box(robot: Robot, link: str) -> Body:
     """A box of 30 mm in the hand, 60 mm beyond the origin of a link's joint."""
     solid = bounded(coal.Box(0.03, 0.03, 0.03), Pose(position=(0.0, 0.0, 0.06)).matrix)
     joint = robot.model.getJointId(link)
-    return Body("held", "box", joint, IDENTITY, (solid,), (Whole(solid, (0,)),))
+    return Body("held", "box", joint, IDENTITY, (solid,), (Hull(solid, (0,)),))
 
 
 def test_what_is_held_moves_with_the_link_that_is_its_parent(toy: Robot, make_toy_scene: SceneFactory) -> None:
