@@ -221,14 +221,14 @@ def test_walls_see_the_nearest_piece(sphere_task: TaskModel) -> None:
         assert (points @ np.array(wall.n)).min() - wall.d == pytest.approx(value, abs=1e-9)
 
 
-def test_wholes_are_hulls_of_the_pieces_of_a_link(gen3: Robot, gen3_hulls: Robot, toy: Robot) -> None:
+def test_link_hulls_are_hulls_of_the_pieces_of_a_link(gen3: Robot, gen3_hulls: Robot, toy: Robot) -> None:
     hulls = by_link(link_solids(gen3_hulls))
     for body in link_bodies(gen3):
-        [whole] = body.wholes
-        assert whole.parts == tuple(range(len(body.solids)))
-        [[corners]] = by_link([placed(body, whole.solid)]).values()
+        [hull] = body.hulls
+        assert hull.parts == tuple(range(len(body.solids)))
+        [[corners]] = by_link([placed(body, hull.solid)]).values()
         assert ConvexHull(corners).volume == pytest.approx(ConvexHull(hulls[body.name][0]).volume, rel=1e-9)
-    assert [whole.parts for body in link_bodies(toy) for whole in body.wholes] == [(0,)] * 4
+    assert [hull.parts for body in link_bodies(toy) for hull in body.hulls] == [(0,)] * 4
 
 
 def test_a_margin_between_links_counts_also_where_a_wall_is_nearer(toy: Robot, make_toy_scene: SceneFactory) -> None:
