@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene, schema, shipped_robots, shipped_scenes
-from ..errors import InputError
+from ..errors import InputError, MissingExtraError
 from .assess import assess_command
 from .console import say
 from .database import app as database_app
@@ -28,7 +28,7 @@ def main() -> None:
     """Run the command line; errors that the user can mend are one line, without a traceback."""
     try:
         app(prog_name="pinograsp")
-    except InputError as error:
+    except (InputError, MissingExtraError) as error:
         say(Console(stderr=True), f"[bold red]error:[/] {escape(str(error))}")
         raise SystemExit(BAD_INPUT) from None
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import InputError
+from ..disk import reason_of
+from ..errors import FileError
 
 
 def make_folder(folder: Path) -> None:
     """Make the folder of `--out`.
 
     Raises:
-        InputError: it cannot be made.
+        FileError: it cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"no such folder can be made: {reason}", file=folder, key="--out") from None
+        raise FileError(f"no such folder can be made: {reason_of(error)}", file=folder, key="--out") from None

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import InputError
+from ..disk import reason_of
+from ..errors import FileError
 
 
 @contextmanager
@@ -15,13 +16,17 @@ def building(file: Path, *, wait: bool) -> Iterator[None]:
     """Hold the right to build a database; the system takes it back when the process ends, however it ends.
 
     Raises:
-        InputError: another process holds it, and `wait` is false.
+        FileError: another process holds it, and `wait` is false, or nothing can be written there.
     """
-    file.parent.mkdir(parents=True, exist_ok=True)
     lock = file.with_name(f".{file.name}.lock")
-    with lock.open("w") as handle:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle = lock.open("w")
+    except OSError as error:
+        raise FileError(f"cannot be written: {reason_of(error)}", file=file, remedy="Check the folder") from None
+    with handle:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InputError("is being built by another process", file=file, remedy="Wait until it is done") from None
+            raise FileError("is being built by another process", file=file, remedy="Wait until it is done") from None
         yield  # the lock file stays: to delete it would let two processes lock two files of one name

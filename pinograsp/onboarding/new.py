@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..descriptions.composition import Attachment, Composition
-from ..descriptions.files import Vector3
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
+from ..descriptions.values import Vector3
+from ..disk import write_whole
 from ..errors import InputError
 from ..kinematics.tree import UrdfTree
 from .addresses import address_of, find_urdf, needed_packages
@@ -110,14 +111,9 @@ def write_new(text: str, output: Path) -> None:
     """Write a robot file; the folder is made.
 
     Raises:
-        InputError: it cannot be written.
+        FileError: it cannot be written.
     """
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be written: {reason}", file=output, key="--output") from None
+    write_whole(output, text)
 
 
 def summary_lines(found: Draft) -> list[str]:

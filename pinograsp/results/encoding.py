@@ -11,7 +11,7 @@ import json
 import math
 from typing import Any
 
-from ..descriptions.files import FileRoot
+from ..descriptions.model import FileRoot
 from ..disk import digest
 from .grasp import Contact, Grasp
 from .result import Result
@@ -71,7 +71,8 @@ def _setup(setup: Setup) -> dict[str, Any]:
 
 def _file(description: FileRoot) -> dict[str, Any]:
     """Return the content of a robot file or scene file; where it was read from holds in every working directory."""
-    return description.model_dump(mode="json") | {"source": str(description.source.resolve())}
+    source = None if description.source is None else str(description.source.resolve())
+    return description.model_dump(mode="json") | {"source": source}
 
 
 def _contact(contact: Contact) -> dict[str, Any]:
