@@ -71,7 +71,7 @@ class DatabaseMismatchError(InputError):
 
 
 class TaskError(InputError):
-    """A task that cannot be meant with its robot and scene: a region that nothing can touch, limits that leave nothing."""
+    """A task that cannot be meant with its robot and scene, as where nothing can touch the region of its contacts."""
 
 
 class MissingExtraError(PinograspError):

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
@@ -76,6 +77,8 @@ def _nearest(path: KeyPath, content: object) -> KeyPath:
     for part in path:
         if isinstance(content, BaseModel):
             content = content.__dict__
+        elif isinstance(content, np.ndarray):
+            content = content.tolist()
         if isinstance(content, Mapping):
             for key, value in content.items():
                 if str(key) == str(part):
