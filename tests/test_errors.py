@@ -67,7 +67,7 @@ def _fail(name: str) -> None:
 def test_an_error_crosses_from_a_worker_process() -> None:
     with (
         ProcessPoolExecutor(1) as executor,
-        pytest.raises(UnknownNameError, match="^tasks: there is no 'spher'. Did you mean sphere\\?$") as caught,
+        pytest.raises(UnknownNameError, match=r"^tasks: there is no 'spher'\. Did you mean sphere\?$") as caught,
     ):
         executor.submit(_fail, "spher").result()
     assert caught.value.key == "tasks"

@@ -16,7 +16,7 @@ from ..kinematics.robot import Robot
 
 WHOLE_TURN = 2.0 * math.pi
 ROUNDING = 1e-9
-"""How far an interval may miss the limits and still meet their end, rad (m)."""
+"""How far the value of a lock may be outside the limits and still be their end, rad (m)."""
 
 
 def approach_cone(task: Task, T_world_object: Array) -> Cone | None:
@@ -52,7 +52,8 @@ def posture_bounds(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, A
         if robot.turns_freely(interval.name):
             shift = WHOLE_TURN * round(0.5 * (low + high - lower[i] - upper[i]) / WHOLE_TURN)
             low, high = low - shift, high - shift
-        if max(lower[i], low) > min(upper[i], high) + ROUNDING:
+        room = min(upper[i], high) - max(lower[i], low)
+        if room < -ROUNDING or (room <= 0.0 and low < high):
             raise _apart(robot, scene, task_name, interval)
         lower[i], upper[i] = np.clip((low, high), lower[i], upper[i])
     return lower, upper
