@@ -5,7 +5,6 @@ import numpy as np
 import pinograsp
 
 
-
 def main(starts: int = 24) -> None:
     """Turn one joint of a grasp by a degree, and ask what is left of the grasp."""
     robot = pinograsp.load_robot("gen3_2f85")
