@@ -18,7 +18,7 @@ from conftest import TOY_ROBOT, TOY_URDF, Array
 
 from pinograsp import Robot, cli
 from pinograsp.descriptions import load_robot_description, urdf
-from pinograsp.onboarding import Report, check_robot
+from pinograsp.onboarding.check import Report, check_robot
 from pinograsp.visualization.pads import surface
 from pinograsp.visualization.robot_page import write_robot_html
 

@@ -12,18 +12,9 @@ from rich.markup import escape
 from ..descriptions import load_robot_description
 from ..descriptions.pose import ZERO
 from ..errors import InputError
-from ..onboarding import (
-    HandMount,
-    Report,
-    check_robot,
-    findings_table,
-    links_table,
-    new_robot_file,
-    refuse_existing,
-    summary,
-    summary_lines,
-    write_new,
-)
+from ..onboarding.check import Report, check_robot
+from ..onboarding.new import HandMount, new_robot_file, refuse_existing, summary_lines, write_new
+from ..onboarding.table import findings_table, links_table, summary
 from .folders import make_folder
 
 app = typer.Typer(no_args_is_help=True, help="Write a first robot file for a URDF; check a robot file.")

@@ -1,4 +1,4 @@
-"""What a hold test found."""
+"""Outcome of a hold test."""
 
 from __future__ import annotations
 

@@ -15,13 +15,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array, Indices
-from ..descriptions import RobotDescription
+from ..descriptions import RobotDescription, load_robot_description
 from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
@@ -252,6 +253,15 @@ class Robot:
         first = sum(len(other.patch.parameters) for other in pads[:number])
         parameters = slice(first, first + len(pad.patch.parameters))
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)
+
+
+def load_robot(name: str | Path) -> Robot:
+    """Read a robot file with its URDF, given by path, by folder or by the name of a shipped robot.
+
+    Raises:
+        InputError: a file is missing or wrong; the message names it, the key and the remedy.
+    """
+    return Robot(load_robot_description(name))
 
 
 def _mounted(model: Any, T_world_root: Array) -> Any:

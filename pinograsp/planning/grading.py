@@ -12,7 +12,8 @@ from ..execution import Workers
 from ..kinematics.robot import Robot
 from ..problem import TaskModel
 from ..results import Grasp, ordered
-from ..verification import Certificate, Claim, Figure, Verifier
+from ..verification import Certificate, Claim, Figure
+from ..verification.check import Verifier
 
 Numbered = tuple[int, Claim]
 Graded = tuple[int, tuple[Figure, ...]]

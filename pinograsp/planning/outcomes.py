@@ -10,7 +10,8 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
-from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge, provenance
+from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
+from ..results.provenance import provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
 

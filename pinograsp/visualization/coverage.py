@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..database import Coverage
-from ..database.coverage import SECTORS
+from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
 from ..disk import write_whole
 from . import camera, colors
