@@ -56,6 +56,8 @@ class Database:
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
         except duckdb.IOException as error:
+            if "permission denied" in str(error).lower():
+                raise InputError("cannot be opened: permission denied", file=path, remedy="Check the file") from None
             if "lock" in str(error).lower():
                 raise InputError("is in use by another process", file=path, remedy="Wait until it is done") from None
             raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
@@ -160,14 +162,22 @@ class Database:
             "margins": identity.margins,
         }
 
-    def export_parquet(self, file: Path) -> None:
-        """Write the configurations as one Parquet file, q1 .. ql under the names of their joints."""
+    def export_parquet(self, file: Path | str) -> None:
+        """Write the configurations as one Parquet file, q1 .. ql (rad; m of sliding joints) by the names of their joints.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
         names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
         target = str(file).replace("'", "''")
-        self.connection.execute(
-            f"COPY (SELECT {names}, {others} FROM configurations) TO '{target}' (FORMAT parquet, COMPRESSION zstd)"
-        )
+        rows = f"SELECT {names}, {others} FROM configurations"
+        try:
+            self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+        except duckdb.IOException:
+            raise InputError(
+                "cannot be written", file=file, remedy="Check that its folder is there and yours"
+            ) from None
 
 
 def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:
