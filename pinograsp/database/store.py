@@ -163,7 +163,7 @@ class Database:
         }
 
     def export_parquet(self, file: Path | str) -> None:
-        """Write the configurations as one Parquet file, q1 .. ql (rad; m of sliding joints) by the names of their joints.
+        """Write the configurations as one Parquet file, q1 .. ql, rad (m), under the names of their joints.
 
         Raises:
             InputError: the file cannot be written.
