@@ -29,7 +29,9 @@ class HandMount:
     root: str | None = None
     """Link of the hand's URDF with which the hand begins."""
     position: Vector3 = ZERO
+    """Of its root on that link, m."""
     rpy: Vector3 = ZERO
+    """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
 
 
