@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow lint benchmark paper clean
+.PHONY: demo test test-slow lint docs benchmark paper clean
 
 demo: $(STAMP)
 	$(BIN)/pinograsp plan scenes/glovebox.yaml --task sphere --starts 1304 --seed 0
@@ -20,6 +20,10 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Into out/site; nothing is fetched, neither now nor by a reader. --strict: a warning is an error.
+docs: $(STAMP)
+	$(BIN)/mkdocs build --strict --quiet
 
 benchmark: $(STAMP)
 	$(BIN)/python tools/benchmark.py
