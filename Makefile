@@ -23,7 +23,7 @@ lint: $(STAMP)
 
 # Into out/site; nothing is fetched, neither now nor by a reader. --strict: a warning is an error.
 docs: $(STAMP)
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 benchmark: $(STAMP)
 	$(BIN)/python tools/benchmark.py

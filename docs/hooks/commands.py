@@ -24,8 +24,8 @@ def _command(name: str, command: Any, level: int) -> list[str]:
     parts.append("```text\n" + " ".join(word for word in [*words, "[OPTIONS]"] if word) + "\n```")
     rows = [_row(p.name.upper(), p) for p in arguments] + [_row(_flags(p), p) for p in options]
     if rows:
-        table = ["| | default | meaning |", "|---|---|---|", *rows]
-        parts.append('<div class="keys" markdown>\n\n' + "\n".join(table) + "\n\n</div>")
+        table = ["| argument or option | default | meaning |", "|---|---|---|", *rows]
+        parts.append('<div class="keys commands" markdown>\n\n' + "\n".join(table) + "\n\n</div>")
     parts.append(_text(command.epilog))
     for child, inner in children.items():
         parts += _command(f"{name} {child}", inner, level + (name == "pinograsp"))

@@ -22,10 +22,10 @@ def schema_keys(kind: str, docstrings: Docstrings) -> str:
         raise ValueError(f"there is no schema of {kind} files")
     whole = schema("robot") if kind == "robot" else schema("scene")
     blocks: dict[str, Block] = whole["$defs"]
-    parts = [f"## The whole {kind} file {{ #{kind} }}", _table(whole, docstrings[_WHOLE[kind]])]
+    parts = [f"## The whole {kind} file {{ #{kind} }}", _table(whole, docstrings[_WHOLE[kind]], blocks)]
     for name in _in_order(whole, blocks):
-        description = " ".join(blocks[name].get("description", "").split("\n\n")[0].split())
-        parts += [f"## {name} {{ #{_anchor(name)} }}", description, _table(blocks[name], docstrings.get(name, {}))]
+        table = _table(blocks[name], docstrings.get(name, {}), blocks)
+        parts += [f"## {name} {{ #{_anchor(name)} }}", _described(blocks[name]), table]
     return "\n\n".join(parts)
 
 
@@ -50,11 +50,17 @@ def _references(part: Any) -> list[str]:
     return [name for value in part for name in _references(value)] if isinstance(part, list) else []
 
 
-def _table(block: Block, meanings: dict[str, str]) -> str:
+def _described(block: Block) -> str:
+    return " ".join(block.get("description", "").split("\n\n")[0].split())
+
+
+def _table(block: Block, meanings: dict[str, str], blocks: dict[str, Block]) -> str:
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
     for key, value in block.get("properties", {}).items():
         default = "required" if key in block.get("required", []) else _default(value)
-        cells = (f"`{key}`", _value(value), default, meanings.get(key, "").replace("|", "\\|"))
+        inner = _references(value)
+        meaning = meanings.get(key) or (_described(blocks[inner[0]]) if len(inner) == 1 else "")
+        cells = (f"`{key}`", _value(value), default, meaning.replace("|", "\\|"))
         rows.append("| " + " | ".join(cells) + " |")
     return '<div class="keys" markdown>\n\n' + "\n".join(rows) + "\n\n</div>"
 
