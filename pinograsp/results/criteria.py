@@ -15,8 +15,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, close_names
+from ..units import shown_in
 from .grasp import Grasp
-from .units import shown_in
 
 Numbers = dict[str, float]
 """The numbers of one grasp by name: the figures of its certificate, and U."""

@@ -147,12 +147,14 @@ class Verifier:
         """
         self._require_complete(claim)
         poses = self._kinematics.poses(claim.joints)
-        pad_normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
+        pads = Pads.at(self._pads, poses)
         return Derived(
             normals=-np.array([self._target.inward(point) for point in claim.points]),
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, pad_normals, self._pads, self._task),
+            V=force_cost(claim, pads.nearest(claim.points)[1], self._pads, self._task),
+            T_world_pads=pads.poses,
+            joint_order=self._kinematics.joint_order,
         )
 
     def check_posture(self, joints: dict[str, float]) -> Certificate:

@@ -74,6 +74,8 @@ class Kinematics:
         self._tree = _from_root_outwards(urdf, file)
         self.root: str = self._tree[0].parent if self._tree else next(iter(urdf.link_map))
         self.joints = tuple(_joint(joint) for joint in self._tree if joint.type in _MOVABLE)
+        self.joint_order = tuple(joint.name for joint in urdf.robot.joints if joint.type in _MOVABLE)
+        """Names of the movable joints as the document has them."""
         self._origins = np.array([np.eye(4) if joint.origin is None else joint.origin for joint in self._tree]).reshape(
             -1, 4, 4
         )
