@@ -38,7 +38,8 @@ class FrozenMapping(Mapping[str, Value]):
 
     def __getitem__(self, name: str) -> Value:
         try:
-            return self._content[name]
+            value: Value = self._content[name]
+            return value
         except KeyError:
             raise unknown(name, self) from None
 

@@ -69,15 +69,18 @@ class Run:
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
             verified=sum(1 for attempt in attempts if attempt.grasp),
-            refuted=sum(
-                1 for a in attempts if a.certificate is not None and not a.certificate.verified and not too_weak(a)
-            ),
+            refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
+
+
+def _refuted(attempt: Attempt) -> bool:
+    """Whether the check refuted what the solver called feasible, for more than what it withstands."""
+    return attempt.certificate is not None and not attempt.certificate.verified and not too_weak(attempt)
 
 
 def too_weak(attempt: Attempt) -> bool:

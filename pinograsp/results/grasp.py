@@ -46,8 +46,8 @@ class Contact(Record):
     desired_point: Array
     """The desired contact point that this pad serves, world, m, shape (3,)."""
     T_world_pad: Array
-    """Pose of the patch frame that the robot file gives to the pad, m, shape (4, 4): the origin is the patch's `origin`,
-    the x axis its `x_axis`, the z axis its `normal`, outward from the finger."""
+    """Pose of the pad's patch frame, world, m, shape (4, 4): with the keys of the robot file, its origin is the patch's
+    `origin`, its x axis `x_axis` and its z axis `normal`, outward from the finger."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

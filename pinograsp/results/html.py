@@ -1,4 +1,4 @@
-"""Results, grasps and checks as notebooks show them; pages of `visualization` take the cells of their tables from here."""
+"""Results, grasps and checks as notebooks show them; pages take the cells of their tables from here, too."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -148,7 +149,7 @@ class Kinematics:
 
         return {leader(name) for name in on_the_way(first) ^ on_the_way(second)}
 
-    def followed(self, angles: dict[str, float]) -> dict[str, float]:
+    def followed(self, angles: Mapping[str, float]) -> dict[str, float]:
         """Return the value of every movable joint, rad (m): as given, as a mimic joint has to follow, or zero."""
         joints = {joint.name: joint for joint in self.joints}
 
@@ -160,7 +161,7 @@ class Kinematics:
 
         return {name: value(name) for name in joints}
 
-    def poses(self, angles: dict[str, float]) -> Poses:
+    def poses(self, angles: Mapping[str, float]) -> Poses:
         """Return the pose in the world of every link.
 
         Args:
