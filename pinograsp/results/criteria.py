@@ -69,6 +69,11 @@ class Criterion:
         value = float(self.values([numbers])[0])
         return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
 
+    def shown(self, numbers: Numbers) -> str:
+        """Return `cell` with its unit."""
+        cell = self.cell(numbers)
+        return cell if cell == "-" else f"{cell} {self.shown_unit}".rstrip()
+
     @property
     def shown_unit(self) -> str:
         """The unit of `cell`."""

@@ -50,10 +50,7 @@ def grasp_html(grasp: Grasp) -> str:
     place = f" of {grasp.setup}" if grasp.setup else ""
     verdict = "verified" if grasp.certificate.verified else "not verified"
     numbers = numbers_of(grasp)
-    rows = [
-        notebook.row((criterion.name, f"{criterion.cell(numbers)} {criterion.shown_unit}".strip(), criterion.meaning))
-        for criterion in CRITERIA
-    ]
+    rows = [notebook.row((criterion.name, criterion.shown(numbers), criterion.meaning)) for criterion in CRITERIA]
     details = (
         notebook.table("Joints, rad (m)", [notebook.row((name, f"{q:.4f}")) for name, q in grasp.joints.items()])
         + notebook.table("Contacts", map(_contact_row, grasp.contacts), ("pad", "link", "force"))

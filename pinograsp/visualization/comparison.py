@@ -40,10 +40,8 @@ def criteria_table(grasp: Grasp) -> str:
     rows = []
     for criterion in CRITERIA:
         if criterion.name != "U":
-            value = criterion.cell(read)
-            shown = value if value == "-" else f"{value} {criterion.shown_unit}"
             name = f"{escape(criterion.name)}<small>{escape(criterion.meaning)}</small>"
-            rows.append(f"<tr><td>{name}</td><td>{escape(shown)}</td></tr>")
+            rows.append(f"<tr><td>{name}</td><td>{escape(criterion.shown(read))}</td></tr>")
     return f"<table><caption>Compared by</caption>{''.join(rows)}</table>"
 
 
