@@ -19,7 +19,7 @@ from ..assessment.errors import SAMPLES, Errors
 from ..assessment.outcome import Assessment, Margin
 from ..disk import write_whole
 from ..results import Result, read_json
-from ..results.units import shown_in
+from ..units import shown_in
 from .chosen import chosen_grasp
 from .console import say
 from .folders import make_folder

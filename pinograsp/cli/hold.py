@@ -53,7 +53,7 @@ def hold_command(
     grasps, first = _chosen(file, best, grasp)
     outcomes = _tested(grasps, first, options, workers, console)
     if as_json:
-        typer.echo(json.dumps([dataclasses.asdict(outcome) for outcome in outcomes], indent=1))
+        typer.echo(json.dumps([outcome.to_json() for outcome in outcomes], indent=1))
     else:
         console.print(_table(outcomes, options))
         for line in _lines(outcomes, options):
