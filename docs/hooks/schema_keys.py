@@ -67,7 +67,7 @@ def _table(block: Block, meanings: dict[str, str], blocks: dict[str, Block]) -> 
 
 def _default(value: Block) -> str:
     default = value.get("default")
-    return "" if default in (None, "", [], {}) else f"`{json.dumps(default)}`"
+    return "" if isinstance(default, dict) or default in (None, "", []) else f"`{json.dumps(default)}`"
 
 
 def _value(value: Block) -> str:
