@@ -62,13 +62,6 @@ def test_the_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text().splitlines()) <= 120
 
 
-@pytest.mark.parametrize(
-    "place", sorted(set(re.findall(r"`((?:docs|pinograsp|robots|scenes|tests|tools)/[\w./-]+)`", RECIPES)))
-)
-def test_places_of_the_recipes_exist(place: str) -> None:
-    assert (ROOT / place).exists()
-
-
 @pytest.mark.parametrize("name", sorted(set(re.findall(r"`(test_\w+)`", RECIPES))))
 def test_tests_of_the_recipes_exist(name: str) -> None:
     found = [file.name for file in (ROOT / "tests").glob("*.py") if f"def {name}(" in file.read_text()]

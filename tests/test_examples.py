@@ -1,4 +1,4 @@
-"""The examples of the documentation run, are short, and pass a user's type checker."""
+"""The examples of the documentation run, are short, and pass a user's type checker; so runs what its pages show."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
+from test_readme import blocks
 
 import pinograsp
 from pinograsp.database import build, cache, sampling
@@ -28,6 +29,15 @@ SAID = {
 """Something that each example prints; a new example has a line here."""
 FEW = {"object_poses": 2}
 """Arguments of `main`, where they are not a number of starts."""
+
+
+UNTOLD = {"many_machines.md"}
+"""Pages whose Python needs what a test does not have: other machines."""
+PAGES = [
+    page
+    for page in sorted((ROOT / "docs").rglob("*.md"))
+    if page.name not in UNTOLD and any("--8<--" not in text for text in blocks(page, "python"))
+]
 
 
 def code_cells() -> list[str]:
@@ -72,6 +82,19 @@ def test_the_notebook_runs_and_shows_tables() -> None:
     for kind in kinds:
         (value,) = (value for value in shown if type(value) is kind)
         assert "<table" in value._repr_html_()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_python_of_a_page_runs(page: Path) -> None:
+    """After a first plan: pages go on from there."""
+    robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox")
+    result = pinograsp.plan(robot, scene, task="sphere", starts=12, workers=1)
+    Path("out").mkdir()
+    pinograsp.write_json(result, "out/glovebox_sphere_gen3_2f85.json")
+    known = {"pinograsp": pinograsp, "robot": robot, "scene": scene, "result": result, "best": result.best}
+    for text in blocks(page, "python"):
+        if "--8<--" not in text:
+            exec(compile(text.replace("samples=100", "samples=4"), str(page), "exec"), known)
 
 
 def test_examples_pass_a_users_type_checker(tmp_path: Path) -> None:
