@@ -5,7 +5,6 @@ from .assessment.assess import assess as assess
 from .assessment.errors import Errors as Errors
 from .assessment.outcome import Assessment as Assessment
 from .assessment.outcome import Margin as Margin
-from .database.build import BuildProgress as BuildProgress
 from .database.build import build_database as build_database
 from .database.coverage import Coverage as Coverage
 from .database.query import configurations_near as configurations_near
@@ -51,9 +50,9 @@ from .kinematics.robot import load_robot as load_robot
 from .onboarding.check import check_robot as check_robot
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import plan as plan
-from .planning.outcomes import Progress as Progress
 from .planning.own_configuration import ConfigurationCheck as ConfigurationCheck
 from .planning.session import Planner as Planner
+from .progress import Progress as Progress
 from .results.criteria import CRITERIA as CRITERIA
 from .results.criteria import Criterion as Criterion
 from .results.different import Different as Different

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
+from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
 from .encoding import encode_grasp
@@ -39,7 +40,7 @@ class Difference:
     recomputed: Any
 
 
-def verify(result: Result, progress: Callable[[int], None] | None = None) -> tuple[Difference, ...]:
+def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:
     """Recompute every certificate of a result, and what else follows from joints, contact points and forces.
 
     Nothing but the result is used, and the URDF and the meshes that its robot names. Of a result that was read from a
@@ -53,7 +54,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
 
     Args:
         result: from `plan` or `read_json`.
-        progress: called after every grasp with the number of those that are done.
+        progress: called after every grasp.
 
     Returns:
         All differences; none if everything stands.
@@ -66,8 +67,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
     verifier = Verifier(setup.robot, setup.scene, setup.task)
     for number, grasp in enumerate(result.grasps, 1):
         found += _of_grasp(number, grasp, setup, verifier)
-        if progress:
-            progress(number)
+        progress(Progress("certificates", number, len(result.grasps)))
     return tuple(found)
 
 
