@@ -47,7 +47,10 @@ from .hold.outcome import HoldOutcome as HoldOutcome
 from .hold.run import hold_test as hold_test
 from .kinematics.robot import Robot as Robot
 from .kinematics.robot import load_robot as load_robot
+from .onboarding.check import RobotReport as RobotReport
 from .onboarding.check import check_robot as check_robot
+from .onboarding.findings import Finding as Finding
+from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import plan as plan
 from .planning.own_configuration import ConfigurationCheck as ConfigurationCheck

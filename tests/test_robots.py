@@ -469,7 +469,7 @@ def test_a_pad_that_the_hand_does_not_have() -> None:
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name == "panda" else SLOW) for name in ROBOTS])
 def test_robot_check_is_clean(name: str) -> None:
-    report = check_robot(load_robot_description(name))
+    report = check_robot(name)
     assert [finding for finding in report.findings if finding.level != "ok"] == []
     assert any("pads face each other" in finding.what for finding in report.findings)
 

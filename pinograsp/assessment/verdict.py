@@ -16,14 +16,14 @@ CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one set of errors does to a grasp."""
+    """Effect of one set of errors on a grasp."""
 
     cause: str | None
     """One of `CAUSES`; None if it holds."""
     where: str
     """Pad or pair of bodies that the cause is about."""
     margin: float
-    """What is left of the inequalities of the balance, N."""
+    """Reserve of the inequalities of the balance, N."""
     off_region: bool
     """Whether a footprint leaves the part of the surface where contact is allowed."""
 

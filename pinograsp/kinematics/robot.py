@@ -155,7 +155,12 @@ class Robot:
         return joint in arm.joints and self.urdf.movable[joint] == "continuous" and joint not in arm.limits
 
     def moved_by_hand(self, first: int, second: int) -> bool:
-        """Whether nothing but the hand's joints moves what two joints carry against each other."""
+        """Whether nothing but the hand's joints moves what two joints carry against each other.
+
+        Args:
+            first: number of a joint of the model.
+            second: of the other one.
+        """
         relative = np.flatnonzero(self.supports[first] != self.supports[second])
         return bool(np.isin(relative, self.hand_joints).all())
 

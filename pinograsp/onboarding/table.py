@@ -6,16 +6,16 @@ from rich.markup import escape
 from rich.table import Table
 
 from ..tables import new_table, numbers, words
-from .check import Report
+from .check import RobotReport
 from .findings import Finding
 
 STYLES = {"wrong": "bold red", "doubtful": "yellow", "ok": "green"}
 """What is worse comes first."""
 
 
-def findings_table(report: Report, name: str) -> Table:
+def findings_table(report: RobotReport) -> Table:
     """Return the findings, the worst first, each with what to do below it."""
-    table = new_table(f"{name}: what the check found", headings=False)
+    table = new_table(f"{report.name}: findings", headings=False)
     table.add_column(no_wrap=True)
     words(table, "")
     for level, style in STYLES.items():
@@ -25,7 +25,7 @@ def findings_table(report: Report, name: str) -> Table:
     return table
 
 
-def links_table(report: Report) -> Table:
+def links_table(report: RobotReport) -> Table:
     """Return the figures of the links' collision geometry."""
     table = new_table("collision geometry; how far its convex pieces stand off the meshes, mm")
     words(table, "link")
@@ -36,7 +36,7 @@ def links_table(report: Report) -> Table:
     return table
 
 
-def summary(report: Report) -> str:
+def summary(report: RobotReport) -> str:
     """Return how many findings there are of each level."""
     counts = {level: sum(finding.level == level for finding in report.findings) for level in STYLES}
     return ", ".join(f"{count} {level}" for level, count in counts.items())

@@ -1,4 +1,4 @@
-"""What became of the starts of a run, and the result that says so."""
+"""Outcomes of the starts of a run, and the result that says so."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ TOWARDS_DESIRED = 1e-3
 
 @dataclass(frozen=True)
 class ConfigurationCheck:
-    """What the independent check says of a configuration."""
+    """Findings of the independent check of a configuration."""
 
     certificate: Certificate
     """Every figure, with the contacts where the pads are nearest to touching, and the best forces there."""

@@ -199,7 +199,7 @@ class Planner:
 
         Args:
             name: of the object.
-            pose: of the object in the world; as an array: homogeneous, shape (4, 4).
+            pose: of the object in the world, m; as an array: homogeneous, shape (4, 4).
 
         Raises:
             InputError: there is no such object, or the array is no pose.
