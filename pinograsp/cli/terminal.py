@@ -9,7 +9,6 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -66,12 +65,6 @@ class Terminal:
     def progress(self) -> contextlib.AbstractContextManager[Report]:
         """Return what shows progress while its block goes on."""
         return reporter(quiet=self._quiet, terminal=_is_terminal(sys.stderr))
-
-    def write(self, file: Path, write: Callable[[Path], object]) -> None:
-        """Have a file written, and say so, or that it takes the place of another one."""
-        done = "replaced" if file.exists() else "written"
-        write(file)
-        self.say(f"{done}: {file}")
 
 
 def fail(line: str) -> None:

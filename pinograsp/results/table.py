@@ -9,13 +9,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from ..tables import new_table, numbers, words
-from ..verification.certificate import Figure
-from ..verification.pair_clearances import PairClearance
-from .criteria import CRITERIA, numbers_of
+from ..verification.certificate import Figure, PairClearance
+from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Contact, Grasp
 from .ranking import SCORE
 from .result import Result
-from .units import shown_in
 
 ANGLE = 5
 """Characters of an angle in whole degrees, with the space before it."""
@@ -38,23 +36,33 @@ def grasp_table(result: Result, rows: int = 10, by: str = SCORE, width: int = 80
     shown = [(grasp, starts) for grasp, starts, _ in result.different(rows, by)]
     title = f"{result.task}: {len(shown)} different of {len(result.grasps)} distinct grasps"
     title += f", {result.robot} in {result.scene}" + ("" if by == SCORE else f", by {by}")
-    return list_table(result, shown, title, width)
+    return list_table(result, shown, title, [by], width)
 
 
-def list_table(result: Result, shown: Sequence[tuple[Grasp, int]], title: str, width: int = 80) -> Table:
+def list_table(
+    result: Result, shown: Sequence[tuple[Grasp, int]], title: str, criteria: Sequence[str] = (), width: int = 80
+) -> Table:
     """Return a table of grasps of a result in the order given; they go by their numbers in the result, from 1.
 
     Args:
         result: that they belong to.
         shown: grasps, each with the number of starts that it stands for.
         title: of the table.
+        criteria: names of criteria or figures that get a column besides those that every table has; "score" has none.
         width: of the terminal, in characters.
+
+    Raises:
+        InputError: there is no such criterion or figure.
     """
     number_of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
-    columns = [criterion for criterion in CRITERIA if criterion.narrow]
-    headings = ["", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns)]
+    columns = {criterion.name: criterion for criterion in CRITERIA if criterion.narrow}
+    for name in criteria:
+        if name != SCORE:
+            criterion = criterion_of(name, result.grasps)
+            columns.setdefault(criterion.name, criterion)
+    headings = ["", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns.values())]
     rows = [
-        [str(number_of[id(grasp)]), f"{starts}x", *(criterion.cell(numbers_of(grasp)) for criterion in columns)]
+        [str(number_of[id(grasp)]), f"{starts}x", *(c.cell(numbers_of(grasp)) for c in columns.values())]
         for grasp, starts in shown
     ]
     table = new_table(title)
@@ -62,7 +70,7 @@ def list_table(result: Result, shown: Sequence[tuple[Grasp, int]], title: str, w
     table.add_column(" arm joints\n °", no_wrap=True)
     taken = sum(max(map(_width, column)) + 1 for column in zip(headings, *rows, strict=True))
     for (grasp, _), row in zip(shown, rows, strict=True):
-        table.add_row(*row, _angles(grasp, width - taken))
+        table.add_row(*row, angle_lines(grasp.q_arm, width - taken))
     return table
 
 
@@ -70,12 +78,12 @@ def _width(cell: str) -> int:
     return max(len(line) for line in cell.split("\n"))
 
 
-def _angles(grasp: Grasp, room: int) -> str:
-    """Return the arm joints of a grasp in whole degrees, in as many lines as they need."""
-    angles = [f"{math.degrees(angle):{ANGLE}.0f}" for angle in grasp.q_arm]
-    lines = math.ceil(len(angles) / max(1, room // ANGLE))
-    length = math.ceil(len(angles) / lines)
-    return "\n".join("".join(angles[i : i + length]) for i in range(0, len(angles), length))
+def angle_lines(angles: Iterable[float], room: int) -> str:
+    """Return angles in whole degrees, in as many lines of equal length as the room in a line makes necessary."""
+    shown = [f"{math.degrees(angle):{ANGLE}.0f}" for angle in angles]
+    lines = math.ceil(len(shown) / max(1, room // ANGLE))
+    length = math.ceil(len(shown) / lines)
+    return "\n".join("".join(shown[i : i + length]) for i in range(0, len(shown), length))
 
 
 def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
@@ -85,12 +93,8 @@ def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
     numbers(table, "value", "limit")
     words(table, "", "where")
     for figure in figures:
-        scale, unit = shown_in(figure.unit)
-        limit = f"{figure.limit * scale:.4g}" if math.isfinite(figure.limit) else ""
-        sense = "" if not limit else "≥ " if figure.sense == "at least" else "≤ "
-        style = None if figure.holds else "red"
-        holds = unit if figure.holds else f"{unit} does not hold".strip()
-        table.add_row(figure.name, f"{figure.value * scale:.4g}", sense + limit, holds, escape(figure.where), style=style)
+        cells = (figure.name, figure.shown_value, figure.shown_limit, "" if figure.holds else "fails")
+        table.add_row(*cells, escape(figure.where), style=None if figure.holds else "red")
     return table
 
 
