@@ -52,10 +52,11 @@ from .onboarding.check import check_robot as check_robot
 from .onboarding.findings import Finding as Finding
 from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
+from .planning.one_shot import check as check
 from .planning.one_shot import plan as plan
-from .planning.own_configuration import ConfigurationCheck as ConfigurationCheck
 from .planning.session import Planner as Planner
 from .progress import Progress as Progress
+from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA
 from .results.criteria import Criterion as Criterion
 from .results.different import Different as Different
@@ -72,7 +73,7 @@ from .results.setup import Setup as Setup
 from .solve.options import SolverOptions as SolverOptions
 from .verification.certificate import Certificate as Certificate
 from .verification.certificate import Figure as Figure
+from .verification.certificate import PairClearance as PairClearance
 from .verification.check import Verifier as Verifier
 from .verification.claim import Claim as Claim
-from .verification.pair_clearances import PairClearance as PairClearance
 from .version import __version__ as __version__

@@ -42,6 +42,14 @@ class InputError(PinograspError):
         return (_rebuild, (self.problem, self.file, self.line, self.key, self.remedy))
 
 
+class UnknownNameError(InputError, KeyError):
+    """A name that nothing has; the message names close ones."""
+
+    def __str__(self) -> str:
+        """Return the message, which a `KeyError` would put in quotation marks."""
+        return str(self.args[0])
+
+
 class WorkerLostError(PinograspError):
     """A worker process ended twice over the same piece of work: killed, out of memory, or a library crashed."""
 

@@ -6,7 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +76,7 @@ def grasp_of(toy: Robot, setup: Setup) -> Grasp:
             force=np.array([-sign * SQUEEZE, 0.0, 0.5 * WEIGHT]),
             spin_torque=0.0,
             desired_point=np.array([MIDDLE + sign * RADIUS, 0.0, 0.22]),
+            T_world_pad=np.eye(4),
         )
         for side, sign in (("left", 1.0), ("right", -1.0))
     )
@@ -339,8 +340,33 @@ def test_seed_and_workers(make_grasp: Make) -> None:
     one = assess(grasp, errors, samples=20, seed=4, workers=1).to_json()
     assert one == assess(grasp, errors, samples=20, seed=4, workers=2).to_json()
     assert one != assess(grasp, errors, samples=20, seed=5, workers=1).to_json()
-    assert 0 < one["samples"]["holding"] < 20
+    assert 0 < one["holding"] < 20
     assert json.loads(json.dumps(one, allow_nan=False)) == one
+
+
+def test_json_has_the_attributes(make_grasp: Make) -> None:
+    found = assess(make_grasp(), Errors(position=0.006, friction=(0.2, 0.6)), samples=12, seed=4, workers=1)
+    data = found.to_json()
+    properties = {"done", "holding", "share", "interval", "causes", "off_region", "worst"}
+    assert data.keys() == {field.name for field in fields(found)} | properties
+    assert data["errors"] == {"friction": [0.2, 0.6], "position": 0.006} | {
+        name: found.to_json()["errors"][name] for name in ("orientation", "weight", "center_of_mass", "joint")
+    }
+    assert (data["asked"], data["done"], data["holding"]) == (12, 12, found.holding)
+    assert data["interval"] == list(found.interval)
+    assert data["causes"] == found.causes
+    assert [sample["verdict"]["holds"] for sample in data["samples"]] == [s.verdict.holds for s in found.samples]
+    assert data["samples"][3]["errors"]["position"] == found.samples[3].errors.position.tolist()
+    assert found.worst is not None
+    assert data["worst"]["number"] == found.worst.number
+    assert [margin["size"] for margin in data["margins"]] == [margin.size for margin in found.margins]
+    assert data["without_errors"]["holds"] is True
+    for margin in found.margins:
+        assert found.margin(margin.kind) is margin
+    with pytest.raises(KeyError, match=r"there is no 'positions'\. Did you mean position"):
+        found.margin("positions")
+    with pytest.raises(ValueError, match="read-only"):
+        found.samples[0].errors.position[0] = 0.0
 
 
 def test_interrupted(make_grasp: Make) -> None:
@@ -469,7 +495,7 @@ def test_command(run: Any, tmp_path: Path) -> None:
     assert found["errors"]["position"] == pytest.approx(0.009)
     assert found["errors"]["friction"] == [0.05, 0.6]
     assert found["grasp"] == 1
-    assert f"{found['samples']['holding']} of 8 samples hold" in output
+    assert f"{found['holding']} of 8 samples hold" in output
     for cause, count in found["causes"].items():
         assert any(cause in line and str(count) in line for line in output.splitlines())
     assert "from 0.33" in output

@@ -69,6 +69,7 @@ def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> MakeGrasp:
                 force=np.array([-side * SQUEEZE, 0.0, WEIGHT / 2]),
                 spin_torque=0.0,
                 desired_point=np.zeros(3),
+                T_world_pad=np.eye(4),
             )
             for name, side in sides
         )

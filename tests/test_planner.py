@@ -51,7 +51,7 @@ def content(result: Result, folder: Path) -> dict[str, Any]:
     file = folder / "result.json"
     write_json(result, file)
     data: dict[str, Any] = json.loads(file.read_text())
-    del data["times_s"], data["digest"]
+    del data["times"], data["digest"]
     return data
 
 

@@ -184,6 +184,26 @@ def test_a_difference_says_where(
         assert difference.stated != difference.recomputed
 
 
+def test_the_pose_of_a_pad_is_told_by_its_name(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    path = ("grasps", 1, "contacts", 1, "T_world_pad")
+    T = np.array(data["grasps"][1]["contacts"][1]["T_world_pad"])
+    T[:3, :2] = T[:3, 1::-1] * [1.0, -1.0]  # a quarter turn about the normal: nothing else notices
+    found = verify(reread(sealed(changed(data, path, T.tolist()))))
+    assert {(difference.grasp, difference.what.rsplit(".", 2)[0]) for difference in found} == {
+        (2, "contacts.right.T_world_pad")
+    }
+
+
+def test_the_order_of_joints_counts(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    """It is that of `Grasp.q`; neither the digest nor a comparison by names sees it."""
+    joints = data["grasps"][0]["joints"]
+    turned = copy.deepcopy(data)
+    turned["grasps"][0]["joints"] = dict(sorted(joints.items(), reverse=True))
+    result = reread(turned)
+    assert not result.altered
+    assert verify(result) == (Difference(1, "order of joints", sorted(joints, reverse=True), list(joints)),)
+
+
 def test_flags_count(data: dict[str, Any], reread: Reread, quick: None) -> None:
     """What the result does not keep, since it follows from the figures, is compared when the file is read."""
     for path in (("verified",), ("figures", 3, "holds")):

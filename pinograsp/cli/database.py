@@ -29,9 +29,7 @@ def register(app: typer.Typer) -> None:
     """Add the group of commands."""
     databases = group()
     databases.callback(invoke_without_command=True)(database)
-    command(
-        databases, "build", "pinograsp database build glovebox.duckdb --scene glovebox --size 1e6"
-    )(build)
+    command(databases, "build", "pinograsp database build glovebox.duckdb --scene glovebox --size 1e6")(build)
     command(databases, "info", "pinograsp database info glovebox.duckdb")(info)
     command(
         databases,
@@ -115,9 +113,7 @@ def info(file: File, as_json: arguments.Json = False, quiet: arguments.Quiet = F
 
 def query(
     file: File,
-    center: Annotated[
-        tuple[float, float, float], typer.Option(metavar="X Y Z", help="Point in the world, m.")
-    ],
+    center: Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Point in the world, m.")],
     radius: Annotated[float, typer.Option(min=0.0, help="Radius of the ball around it, m.")] = 0.1,
     cone: Annotated[
         tuple[float, float, float] | None,
@@ -221,7 +217,9 @@ def _say(facts: dict[str, Any], terminal: Terminal, before: str = "") -> None:
             terminal.say(f"{before}{name}:")
             _say(fact, terminal, before + "  ")
         else:
-            text = ", ".join(map(str, fact)) if isinstance(fact, list) else f"{fact:,}" if isinstance(fact, int) else fact
+            text = (
+                ", ".join(map(str, fact)) if isinstance(fact, list) else f"{fact:,}" if isinstance(fact, int) else fact
+            )
             terminal.say(f"{before}{name}: {text}")
 
 

@@ -60,9 +60,7 @@ def hold(
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """
     terminal = Terminal(as_json, quiet)
-    options = pinograsp.HoldOptions(
-        acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls
-    )
+    options = pinograsp.HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
     if (mjcf or film) and out is None:
         key = "--mjcf" if mjcf else "--film"
         raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
@@ -123,9 +121,7 @@ def _drawn(
         yield save(film, lambda: write_film(grasp, film, options))
 
 
-def _report(
-    outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions, terminal: Terminal
-) -> None:
+def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions, terminal: Terminal) -> None:
     terminal.table(_table(outcomes, options))
     for line in _lines(outcomes, options):
         terminal.say(line)

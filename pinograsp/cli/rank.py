@@ -64,7 +64,9 @@ def rank(
     result = pinograsp.read_json(file)
     criteria = names_of(pareto or ())
     listed = _listed(result, by, criteria, None if every else different)
-    terminal.find(lambda: _document(result, by, criteria, listed), lambda: _report(result, by, criteria, listed, terminal))
+    terminal.find(
+        lambda: _document(result, by, criteria, listed), lambda: _report(result, by, criteria, listed, terminal)
+    )
     if not listed:
         raise typer.Exit(NONE)
 
@@ -112,4 +114,6 @@ def _report(
         terminal.warn(f"no grasp has {by}; the order is that of score")
     title = f"{result.task}: {len(listed)} of {len(result.grasps)} distinct grasps, {result.robot} in {result.scene}"
     title += f", by {by}" + (f", front of {', '.join(criteria)}" if criteria else "")
-    terminal.table(list_table(result, [(grasp, starts) for grasp, starts, _ in listed], title, [by, *criteria], terminal.width))
+    terminal.table(
+        list_table(result, [(grasp, starts) for grasp, starts, _ in listed], title, [by, *criteria], terminal.width)
+    )

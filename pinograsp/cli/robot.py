@@ -121,7 +121,9 @@ def new(
     with terminal.progress():
         text, found = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or ())
     saved = save(file, lambda: write_new(text, file))
-    marked = {number: line.strip() for number, line in enumerate(text.splitlines(), 1) if "CHECK" in line and number > 1}
+    marked = {
+        number: line.strip() for number, line in enumerate(text.splitlines(), 1) if "CHECK" in line and number > 1
+    }
     terminal.find(lambda: _new_document(file, found, marked), lambda: _new_report(file, found, marked, terminal))
     terminal.say(saved)
     if found.pads is None:

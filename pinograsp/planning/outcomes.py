@@ -1,4 +1,4 @@
-"""Outcomes of the starts of a run, and the result that says so."""
+"""Outcomes of the starts of a run, and the result that holds them."""
 
 from __future__ import annotations
 
@@ -57,13 +57,18 @@ class Run:
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
             verified=sum(1 for attempt in attempts if attempt.grasp),
-            refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified and not too_weak(a)),
+            refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
+
+
+def _refuted(attempt: Attempt) -> bool:
+    """Whether the check refuted what the solver called feasible, for more than what it withstands."""
+    return attempt.certificate is not None and not attempt.certificate.verified and not too_weak(attempt)
 
 
 def too_weak(attempt: Attempt) -> bool:
@@ -100,7 +105,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
 
 def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     """Return kind, violation, unit and place of what kept an attempt from being verified."""
-    if attempt.certificate:
+    if attempt.certificate is not None:
         figure = attempt.certificate.refuted_by[0]
         if too_weak(attempt):
             return WITHSTAND, figure.limit - figure.value, figure.unit, figure.where

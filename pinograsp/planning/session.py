@@ -27,6 +27,7 @@ from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
+from ..results.configuration_check import ConfigurationCheck
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
@@ -36,7 +37,7 @@ from .bound import least_U
 from .defaults import DEFAULT_STARTS
 from .grading import all_graded, graded
 from .outcomes import Run
-from .own_configuration import Configuration, ConfigurationCheck, checked
+from .own_configuration import Configuration, checked
 
 NEAREST = 400
 """Starts that a search for single grasps tries at most."""
@@ -209,7 +210,7 @@ class Planner:
         self._models = {task: model.moved(name, self.scene) for task, model in self._models.items()}
 
     def check(self, q: Configuration, task: str) -> ConfigurationCheck:
-        """Return the certificate figures and the clearances by pair of a configuration of the user's own.
+        """Check a configuration of the user's own: certificate figures, clearances by pair, and a grasp to draw.
 
         Args:
             q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and

@@ -15,8 +15,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, close_names
+from ..units import shown_in
 from .grasp import Grasp
-from .units import shown_in
 
 Numbers = dict[str, float]
 """The numbers of one grasp by name: the figures of its certificate, and U."""
@@ -68,6 +68,11 @@ class Criterion:
         """Return the value of a grasp as tables show it; a dash where it has none."""
         value = float(self.values([numbers])[0])
         return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
+
+    def shown(self, numbers: Numbers) -> str:
+        """Return `cell` with its unit."""
+        cell = self.cell(numbers)
+        return cell if cell == "-" else f"{cell} {self.shown_unit}".rstrip()
 
     @property
     def shown_unit(self) -> str:

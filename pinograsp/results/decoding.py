@@ -37,7 +37,7 @@ def decode(data: dict[str, Any]) -> Result:
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
         warnings=tuple(data["warnings"]),
-        times=data["times_s"],
+        times=data["times"],
         provenance=_mapping(data["provenance"], "provenance"),
     )
 
@@ -103,8 +103,9 @@ def _finite(numbers: dict[str, Any]) -> dict[str, float]:
 
 
 def _contact(data: dict[str, Any]) -> Contact:
-    vectors = {key: _array(value, 3) for key, value in data.items() if isinstance(value, list)}
-    return Contact(**{**data, **vectors, "spin_torque": float(data["spin_torque"])})
+    arrays = {key: _array(value, 3) for key, value in data.items() if isinstance(value, list)}
+    arrays["T_world_pad"] = _array(data["T_world_pad"], 4, 4)
+    return Contact(**{**data, **arrays, "spin_torque": float(data["spin_torque"])})
 
 
 def _figure(data: dict[str, Any]) -> Figure:

@@ -12,10 +12,10 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
+from ..frozen import Record
 from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
-from .encoding import encode_grasp
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
@@ -28,8 +28,8 @@ SOLVED = 1e-5
 """The same for figures that an iterative solver computes, which another processor rounds otherwise, relative."""
 
 
-@dataclass(frozen=True)
-class Difference:
+@dataclass(frozen=True, eq=False, repr=False)
+class Difference(Record):
     """A number or a word of a result that is not what follows from the rest of it."""
 
     grasp: int | None
@@ -37,7 +37,9 @@ class Difference:
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
+    """What the result says; None: nothing."""
     recomputed: Any
+    """What follows from the rest; None: nothing."""
 
 
 def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:
@@ -48,7 +50,7 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
 
     - every figure of the certificates;
     - U, Phi and V, arm joints, synergies, normals and desired points, pads and links;
-    - the wrist's pose;
+    - the poses of the wrist and of the pads, and the order of the joints;
     - the order of the grasps and the numbers of starts;
     - the hashes of the robot's files.
 
@@ -110,9 +112,11 @@ def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> It
     except InputError as error:
         yield Difference(number, "certificate", "verified", str(error))
         return
-    stated = encode_grasp(grasp)
+    stated, order = grasp.to_json(), list(recomputed.joints)
+    if list(grasp.joints) != order:  # which JSON data that is compared by its keys does not show
+        yield Difference(number, "order of joints", list(grasp.joints), order)
     stated["certificate"]["verified"] = True  # that is what a result holds
-    yield from _differences(number, dict(_leaves(stated)), dict(_leaves(encode_grasp(recomputed))))
+    yield from _differences(number, dict(_leaves(stated)), dict(_leaves(recomputed.to_json())))
 
 
 def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
@@ -125,12 +129,15 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     pads = robot_for(setup.robot, setup.scene, setup.task).pads
     return replace(
         grasp,
+        joints={name: grasp.joints[name] for name in derived.joint_order},
         q_arm=np.array([grasp.joints[name] for name in setup.robot.arm.joints]),
         synergy=derived.synergies,
         cost=Cost(phi_mm2 + task.force_weight * derived.V, phi_mm2, derived.V),
         contacts=tuple(
-            replace(contact, pad=pad.name, link=pad.link, normal=normal, desired_point=point)
-            for contact, pad, normal, point in zip(contacts, pads, derived.normals, desired, strict=True)
+            replace(contact, pad=pad.name, link=pad.link, normal=normal, desired_point=point, T_world_pad=T)
+            for contact, pad, normal, point, T in zip(
+                contacts, pads, derived.normals, desired, derived.T_world_pads, strict=True
+            )
         ),
         certificate=certificate,
         T_world_wrist=derived.T_world_wrist,

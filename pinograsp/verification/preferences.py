@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def approach_figure(approach: ApproachCone, T_world_object: Array, T_world_wrist
     return Figure("approach", angle, approach.angle + TOLERANCE, "rad", "at most", wrist)
 
 
-def ranges_figure(ranges: Limits, angles: dict[str, float], endless: Collection[str]) -> Figure:
+def ranges_figure(ranges: Limits, angles: Mapping[str, float], endless: Collection[str]) -> Figure:
     """Return how far inside its range the least deep joint is, rad (m for sliding joints); negative outside.
 
     Args:
