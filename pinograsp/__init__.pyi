@@ -5,7 +5,6 @@ from .assessment.assess import assess as assess
 from .assessment.errors import Errors as Errors
 from .assessment.outcome import Assessment as Assessment
 from .assessment.outcome import Margin as Margin
-from .database.build import BuildProgress as BuildProgress
 from .database.build import build_database as build_database
 from .database.coverage import Coverage as Coverage
 from .database.query import configurations_near as configurations_near
@@ -55,8 +54,8 @@ from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import check as check
 from .planning.one_shot import plan as plan
-from .planning.outcomes import Progress as Progress
 from .planning.session import Planner as Planner
+from .progress import Progress as Progress
 from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA
 from .results.criteria import Criterion as Criterion

@@ -16,7 +16,7 @@ from conftest import TOY_URDF, Array, RobotFactory, SceneFactory, differences
 from scipy.spatial.transform import Rotation
 
 import pinograsp
-from pinograsp import Errors, InputError, assess, cli
+from pinograsp import Errors, InputError, Progress, assess, cli
 from pinograsp.assessment.closing import Closing, moved
 from pinograsp.assessment.errors import draws
 from pinograsp.assessment.judge import Judge
@@ -370,9 +370,8 @@ def test_json_has_the_attributes(make_grasp: Make) -> None:
 
 
 def test_interrupted(make_grasp: Make) -> None:
-    def stop(done: int, total: int) -> None:
-        assert total == 10 + len(KINDS)
-        if done == 4:
+    def stop(progress: Progress) -> None:
+        if progress == Progress("samples", 4, 10):
             raise KeyboardInterrupt
 
     found = assess(make_grasp(), samples=10, workers=1, progress=stop)

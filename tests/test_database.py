@@ -34,6 +34,7 @@ from pinograsp.errors import InputError
 from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
+from pinograsp.progress import Progress
 from pinograsp.verification.check import Verifier
 
 SIZE = 9_000
@@ -331,10 +332,13 @@ def test_cached_database_is_built_once(
 ) -> None:
     monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
     monkeypatch.setattr(cache_module, "SIZE", 3000)
-    reports: list[Any] = []
+    reports: list[Progress] = []
     with cached_database(gen3, glovebox, Margins(), workers=1, progress=reports.append) as database:
         file, rows = database.file, database.rows()
-    assert reports
+    of_build = [report for report in reports if report.stage == "start database"]
+    assert [report.done for report in of_build] == sorted({report.done for report in of_build})
+    assert (of_build[-1].done, reports[-1]) == (of_build[-1].total, Progress("sorting", 0, of_build[-1].done))
+    assert all(report.numbers["rows per second"] > 0.0 for report in of_build)
     assert file.parent == tmp_path
     changed = file.stat().st_mtime_ns
     reports.clear()

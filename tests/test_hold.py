@@ -19,7 +19,7 @@ from conftest import TOY_SCENE, TOY_URDF, RobotFactory, SceneFactory
 from PIL import Image
 
 import pinograsp
-from pinograsp import HoldOptions, HoldOutcome, InputError, cli, hold_test
+from pinograsp import HoldOptions, HoldOutcome, InputError, Progress, cli, hold_test
 from pinograsp.descriptions import Scene
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
@@ -232,11 +232,11 @@ def test_a_planned_grasp_of_the_real_robot(gen3: Robot, glovebox: Scene) -> None
 
 
 def test_outcomes_do_not_depend_on_the_run(result: Result, outcome: HoldOutcome) -> None:
-    seen: list[int] = []
+    seen: list[Progress] = []
     options = HoldOptions(controls=True, first_slip=True)
-    found = hold_test(result, workers=2, options=options, progress=lambda progress: seen.append(progress.done))
+    found = hold_test(result, workers=2, options=options, progress=seen.append)
     assert found == (outcome, replace(outcome, grasp=2))
-    assert seen == [1, 2]
+    assert seen == [Progress("grasps", number, 2, {"held": number}) for number in (1, 2)]
     assert len(hold_test(result, 1, workers=1)) == 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from ..descriptions import Scene
@@ -11,7 +10,8 @@ from ..descriptions.scene import Margins
 from ..disk import cache_folder
 from ..errors import InputError
 from ..kinematics.robot import Robot
-from .build import BuildProgress, build_database
+from ..progress import Report, no_report
+from .build import build_database
 from .identity import Identity
 from .store import Database
 
@@ -26,7 +26,7 @@ def cached_database(
     margins: Margins,
     *,
     workers: int | None = None,
-    progress: Callable[[BuildProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> Database:
     """Return the small database of a robot, enclosure and margins; built on first use.
 

@@ -176,4 +176,6 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         raise InputError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
     figure = figures[name]
     better: Literal["least", "most"] = "most" if figure.sense == "at least" else "least"
-    return Criterion(name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit)
+    return Criterion(
+        name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit, heading=name, format=".3g"
+    )
