@@ -5,10 +5,11 @@ Most of it with the toy: a jaw whose right finger moves 1.25 times as far as the
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -131,6 +132,18 @@ def test_a_grasp_of_the_ball_holds(outcome: HoldOutcome) -> None:
     assert [pad.planned for pad in outcome.pads] == [SQUEEZE, SQUEEZE]
     assert outcome.force_error < 0.01
     assert (outcome.grasp, outcome.start, outcome.predicted) == (1, 7, 16.7)
+
+
+def test_json_has_the_attributes(outcome: HoldOutcome) -> None:
+    data = json.loads(json.dumps(outcome.to_json(), allow_nan=False))
+    assert data.keys() == {field.name for field in fields(outcome)}
+    assert data["controls"] == {"no squeeze": False, "no friction": False}
+    assert data["pads"] == [{"pad": pad.pad, "planned": pad.planned, "measured": pad.measured} for pad in outcome.pads]
+    assert outcome.first_slip is not None
+    assert data["first_slip"]["acceleration"] == outcome.first_slip.acceleration
+    assert (data["start"], data["held"], data["failed"]) == (7, True, [])
+    with pytest.raises(TypeError, match="item assignment"):
+        outcome.controls["no squeeze"] = True  # type: ignore[index]
 
 
 def test_the_controls_drop_it(outcome: HoldOutcome) -> None:

@@ -103,9 +103,9 @@ def _finite(numbers: dict[str, Any]) -> dict[str, float]:
 
 
 def _contact(data: dict[str, Any]) -> Contact:
-    arrays = {key: _array(value, 3) for key, value in data.items() if isinstance(value, list)}
-    arrays["T_world_pad"] = _array(data["T_world_pad"], 4, 4)
-    return Contact(**{**data, **arrays, "spin_torque": float(data["spin_torque"])})
+    vectors = {key: _array(data[key], 3) for key in ("point", "normal", "force", "desired_point")}
+    others = {"spin_torque": float(data["spin_torque"]), "T_world_pad": _array(data["T_world_pad"], 4, 4)}
+    return Contact(**{**data, **vectors, **others})
 
 
 def _figure(data: dict[str, Any]) -> Figure:
