@@ -50,9 +50,9 @@ def check(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say what the independent check says of a configuration of your own: every figure, and distances pair by pair.
+    """Check a configuration of your own.
 
-    Pads and object are taken to touch where they are nearest, with the best contact forces there. With --out the
+    The independent check gives every figure of a certificate, and the distances below 50 mm pair by pair. Pads and object are taken to touch where they are nearest, with the best contact forces there. With --out the
     check is written as <scene>_<task>_<robot>_check.json and .html.
 
     Exit codes: 0 it is a verified grasp, 1 it is not.
