@@ -68,9 +68,9 @@ def assess(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say how much a grasp of a result puts up with: errors of pose, friction, weight, centre of mass and joints.
+    """Say how much a grasp of a result puts up with.
 
-    The hand closes again on the displaced object. With --out the assessment is written as
+    The errors are of the object's pose, friction, weight and centre of mass, and of the arm's joints. The hand closes again on the displaced object. With --out the assessment is written as
     <scene>_<task>_<robot>_grasp<number>_assessment.json.
 
     Exit codes: 0 whatever is found, 130 interrupted.

@@ -50,9 +50,9 @@ def check(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say what the independent check says of a configuration of your own: every figure, and distances pair by pair.
+    """Check a configuration of your own.
 
-    Pads and object are taken to touch where they are nearest, with the best contact forces there. With --out the
+    The independent check gives every figure of a certificate, and the distances below 50 mm pair by pair. Pads and object are taken to touch where they are nearest, with the best contact forces there. With --out the
     check is written as <scene>_<task>_<robot>_check.json and .html.
 
     Exit codes: 0 it is a verified grasp, 1 it is not.
@@ -65,7 +65,7 @@ def check(
         terminal.progress() as progress,
         pinograsp.Planner(read_robot(robot), described, workers=1, progress=progress) as planner,
     ):
-        found = planner.check(values, task)
+        found = _checked(planner, values, task)
         name = planner.robot.description.name
     saved = [] if out is None else list(_saved(found, out, (described.name, task, name)))
     terminal.find(found.to_json, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
@@ -73,6 +73,15 @@ def check(
         terminal.say(line)
     if not found.verified:
         raise typer.Exit(NOT_VERIFIED)
+
+
+def _checked(planner: pinograsp.Planner, values: dict[str, float], task: str) -> pinograsp.ConfigurationCheck:
+    try:
+        return planner.check(values, task)
+    except InputError as error:
+        if error.key != "q":
+            raise
+        raise InputError(error.problem, key="--joints", remedy=error.remedy) from None
 
 
 def read_joints(texts: Sequence[str]) -> dict[str, float]:

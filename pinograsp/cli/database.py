@@ -35,7 +35,7 @@ def register(app: typer.Typer) -> None:
         databases,
         "query",
         "pinograsp database query glovebox.duckdb --center 0.8 0.0 -0.1",
-        "pinograsp database query glovebox.duckdb --center 0.8 0.0 -0.1 --cone 0 0 -1 --json",
+        "pinograsp database query glovebox.duckdb --center 0.8 0 -0.1 --cone 0 0 -1",
     )(query)
     command(databases, "coverage", "pinograsp database coverage glovebox.duckdb --html --out out")(coverage)
     command(databases, "export", "pinograsp database export glovebox.duckdb starts.parquet")(export)
@@ -43,7 +43,7 @@ def register(app: typer.Typer) -> None:
 
 
 def database(context: typer.Context) -> None:
-    """Build, inspect and query databases of collision-free configurations."""
+    """Build and query databases of arm configurations."""
     help_alone(context)
 
 
@@ -67,7 +67,9 @@ def build(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Build a database, or resume or grow the one that is there; Ctrl-C keeps what is done.
+    """Build a database, or resume or grow one.
+
+    Ctrl-C keeps what is done.
 
     Exit codes: 0 it is built, 1 no configuration is free of collision, 130 interrupted.
     """
@@ -104,7 +106,7 @@ def build(
 
 
 def info(file: File, as_json: arguments.Json = False, quiet: arguments.Quiet = False) -> None:
-    """Print counts, layout, metadata and hashes of a database."""
+    """Print counts, layout and origin of a database."""
     terminal = Terminal(as_json, quiet)
     with pinograsp.Database.open(file) as opened:
         facts = opened.info()
@@ -153,9 +155,9 @@ def coverage(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say which parts of the box the wrist reaches, and from how many directions; draw it if asked.
+    """Say which parts of the enclosure the wrist reaches.
 
-    Picture and page are <database>_coverage.png and .html.
+    It also says from how many directions. Picture and page are <database>_coverage.png and .html.
     """
     from ..progress import Progress
 
@@ -198,7 +200,10 @@ def export(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Write all configurations as one Parquet file, angles in rad under the names of their joints."""
+    """Write all configurations as one Parquet file.
+
+    Angles are in rad (m), under the names of their joints.
+    """
     from ..progress import Progress
 
     terminal = Terminal(as_json, quiet)

@@ -52,9 +52,9 @@ def hold(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Simulate grasps in MuJoCo: at rest, shaken along and turned about every axis of the world.
+    """Simulate grasps of a result in MuJoCo.
 
-    With --out the outcomes are written as <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is
+    Each is held at rest, shaken along and turned about every axis of the world. With --out the outcomes are written as <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is
     tested as <scene>_<task>_<robot>_grasp<number>.xml and .gif.
 
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.

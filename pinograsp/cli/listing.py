@@ -21,7 +21,7 @@ def register(app: typer.Typer) -> None:
 
 
 def list_shipped(as_json: arguments.Json = False, quiet: arguments.Quiet = False) -> None:
-    """List the robots and scenes that come with pinograsp, and the tasks of each scene."""
+    """List the robots, scenes and tasks that come with pinograsp."""
     terminal = Terminal(as_json, quiet)
     content = _content()
     terminal.find(lambda: content, lambda: _report(content, terminal))
@@ -32,9 +32,9 @@ def schema(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Print the JSON Schema of robot files or scene files, for editors.
+    """Print the JSON Schema of robot or scene files.
 
-    It is a JSON document with --json and without.
+    Editors complete and check files with it. It is a JSON document with --json and without.
     """
     terminal = Terminal(as_json, quiet)
     content = pinograsp.schema(kind)

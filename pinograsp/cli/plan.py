@@ -61,9 +61,9 @@ def plan(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Find, verify and rank grasps; write them as JSON, and the best one as a page.
+    """Find, verify and rank grasps.
 
-    The files are <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search and writes what was found until then.
+    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search and writes what was found until then.
     With --json the document is that of the JSON file.
 
     Exit codes: 0 grasps were found, 1 none was found, 130 interrupted.

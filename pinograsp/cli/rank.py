@@ -53,9 +53,9 @@ def rank(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """List the grasps of a result in another order, the best first.
+    """List the grasps of a result in another order.
 
-    Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15 degrees apart, or an
+    The best comes first. Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15 degrees apart, or an
     arm joint more than 30 degrees; each stands for those that are like it.
 
     Exit codes: 0 there are grasps, 1 there are none.

@@ -30,7 +30,7 @@ def register(app: typer.Typer) -> None:
         robots,
         "new",
         "pinograsp robot new arm.urdf --hand gripper.urdf --to tool0",
-        "pinograsp robot new package://example-robot-data/robots/panda_description/urdf/panda.urdf",
+        "pinograsp robot new package://my_robots/arm.urdf --packages ~/ros/src",
     )(new)
     command(robots, "check", "pinograsp robot check robots/my_robot/robot.yaml --open")(check)
     app.add_typer(robots, name="robot")
@@ -48,9 +48,9 @@ def check(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Say what is wrong or doubtful with a robot file, and write a page with the robot, joint sliders and pads.
+    """Say what is wrong or doubtful with a robot file.
 
-    The page is <robot>_check.html.
+    Writes a page with the robot, joint sliders and pads: <robot>_check.html.
 
     Exit codes: 0 nothing is wrong, 1 something is.
     """
@@ -101,9 +101,9 @@ def new(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Write a first robot file: arm, hand, limits, and flat faces of the fingers that close on each other as pads.
+    """Write a first robot file for a URDF.
 
-    What a URDF does not say is marked with CHECK in the file.
+    It has arm, hand, limits, and as pads the flat faces of the fingers that close on each other. What a URDF does not say is marked with CHECK in the file.
 
     Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """

@@ -33,7 +33,7 @@ def show(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Show a grasp of a result: its joints, its contacts and every figure of its certificate.
+    """Show a grasp of a result: joints, contacts, certificate.
 
     With --out its page is written as <scene>_<task>_<robot>_grasp<number>.html.
     """

@@ -29,7 +29,9 @@ def verify(
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
-    """Recompute every certificate of a result from its file alone, and say what differs.
+    """Recompute every certificate of a result.
+
+    Nothing but its file is used, and the URDF and meshes that the robot names; what differs is listed.
 
     Exit codes: 0 every certificate stands, 1 something differs.
     """

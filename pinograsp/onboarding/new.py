@@ -106,7 +106,7 @@ def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Comp
 def refuse_existing(output: Path, *, replace: bool) -> None:
     """Raise an InputError if a robot file is there that is not to be replaced."""
     if output.exists() and not replace:
-        raise InputError("exists already", file=output, key="--output", remedy="Use --force to replace it")
+        raise InputError("exists already", file=output, key="--out", remedy="Use --force to replace it")
 
 
 def write_new(text: str, output: Path) -> None:
@@ -120,7 +120,7 @@ def write_new(text: str, output: Path) -> None:
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be written: {reason}", file=output, key="--output") from None
+        raise InputError(f"cannot be written: {reason}", file=output, key="--out") from None
 
 
 def summary_lines(found: Draft) -> list[str]:

@@ -87,13 +87,14 @@ def angle_lines(angles: Iterable[float], room: int) -> str:
 
 
 def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
-    """Return a table of figures of a certificate, each with its limit, those that do not hold in red."""
+    """Return a table of figures of a certificate with their limits; what does not hold has a mark, and is red."""
     table = new_table(title)
+    numbers(table, "")
     words(table, "figure")
     numbers(table, "value", "limit")
-    words(table, "", "where")
+    words(table, "where")
     for figure in figures:
-        cells = (figure.name, figure.shown_value, figure.shown_limit, "" if figure.holds else "fails")
+        cells = ("" if figure.holds else "!", figure.name, figure.shown_value, figure.shown_limit)
         table.add_row(*cells, escape(figure.where), style=None if figure.holds else "red")
     return table
 
@@ -102,10 +103,10 @@ def clearances_table(clearances: Iterable[PairClearance], title: str = "") -> Ta
     """Return a table of the distances of links to each other and to what stands around them, in mm."""
     table = new_table(title)
     numbers(table, "mm")
-    words(table, "link", "from", "kind")
+    words(table, "between", "kind")
     for pair in clearances:
-        distance = f"{1e3 * pair.distance:.1f}" if math.isfinite(pair.distance) else "touch"
-        table.add_row(distance, escape(pair.link), escape(pair.other), pair.name)
+        distance = f"{1e3 * pair.distance:z.1f}" if math.isfinite(pair.distance) else "overlap"
+        table.add_row(distance, f"{escape(pair.link)} / {escape(pair.other)}", pair.name)
     return table
 
 
