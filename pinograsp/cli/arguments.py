@@ -99,7 +99,7 @@ def help_alone(context: typer.Context) -> None:
 
 
 def named_values(texts: Sequence[str], option: str) -> dict[str, float]:
-    """Return the numbers of texts such as `joint_7=0.5`.
+    """Return the numbers of texts such as `elbow=0.5`.
 
     Args:
         texts: as given.
@@ -116,7 +116,7 @@ def named_values(texts: Sequence[str], option: str) -> dict[str, float]:
         except ValueError:
             number = math.nan
         if not (name and equals and math.isfinite(number)):
-            raise InputError(f"{text!r} is not JOINT=VALUE", key=option, remedy="Give, for example, joint_7=0.5")
+            raise InputError(f"{text!r} is not JOINT=VALUE", key=option, remedy="Give, for example, elbow=0.5")
         found[name] = number
     return found
 

@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
     command(
         app,
         "assess",
-        "pinograsp assess out/glovebox_sphere_gen3_2f85.json",
+        "pinograsp assess result.json",
         "pinograsp assess result.json --grasp 3 --position 5 --friction 0.5 1.0",
     )(assess)
 
@@ -70,7 +70,8 @@ def assess(
 ) -> None:
     """Say how much a grasp of a result puts up with.
 
-    The errors are of the object's pose, friction, weight and centre of mass, and of the arm's joints. The hand closes again on the displaced object. With --out the assessment is written as
+    The errors are of the object's pose, friction, weight and centre of mass, and of the arm's joints. The hand closes
+    again on the displaced object. With --out the assessment is written as
     <scene>_<task>_<robot>_grasp<number>_assessment.json.
 
     Exit codes: 0 whatever is found, 130 interrupted.

@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
         "check",
         "pinograsp check glovebox --task sphere --joints posture.json",
         "pinograsp check glovebox --task sphere --joints posture.json \\",
-        "    --joints joint_7=0.5 --out out",
+        "    --joints elbow=0.5 --out out",
     )(check)
 
 
@@ -52,8 +52,9 @@ def check(
 ) -> None:
     """Check a configuration of your own.
 
-    The independent check gives every figure of a certificate, and the distances below 50 mm pair by pair. Pads and object are taken to touch where they are nearest, with the best contact forces there. With --out the
-    check is written as <scene>_<task>_<robot>_check.json and .html.
+    The independent check gives every figure of a certificate, and the distances below 50 mm pair by pair. Pads and
+    object are taken to touch where they are nearest, with the best contact forces there. With --out the check is
+    written as <scene>_<task>_<robot>_check.json and .html.
 
     Exit codes: 0 it is a verified grasp, 1 it is not.
     """
@@ -85,7 +86,7 @@ def _checked(planner: pinograsp.Planner, values: dict[str, float], task: str) ->
 
 
 def read_joints(texts: Sequence[str]) -> dict[str, float]:
-    """Return values by name from JSON files and from texts such as `joint_7=0.5`.
+    """Return values by name from JSON files and from texts such as `elbow=0.5`.
 
     Raises:
         InputError: a file cannot be read or does not hold numbers by name, or a text cannot be understood.
@@ -107,7 +108,7 @@ def _of_file(file: Path) -> dict[str, float]:
     if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
         content = content["joints"]
     if not isinstance(content, dict):
-        remedy = 'Write, for example, {"joint_1": 0.5, "joint_2": -0.3}'
+        remedy = 'Write, for example, {"shoulder": 0.5, "elbow": -0.3}'
         raise InputError("values by the names of joints are wanted", file=file, key="--joints", remedy=remedy)
     for name, value in content.items():
         if isinstance(value, bool) or not isinstance(value, int | float):

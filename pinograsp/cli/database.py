@@ -141,7 +141,9 @@ def query(
         else:
             found = pinograsp.configurations_near(opened, np.array(center), radius, cone=directions, limit=count)
         names = opened.joints()
-    terminal.find(lambda: _document(found, names), lambda: terminal.table(_table(found, names, terminal.width)))
+    terminal.find(
+        lambda: _document(found, names), lambda: terminal.table(configurations_table(found, names, terminal.width))
+    )
     if not len(found):
         raise typer.Exit(NOTHING_FOUND)
 
@@ -233,7 +235,7 @@ def _document(found: Configurations, names: list[str]) -> dict[str, Any]:
     return {"joints": names, **{name: getattr(found, name).tolist() for name in arrays}}
 
 
-def _table(found: Configurations, names: list[str], width: int) -> Table:
+def configurations_table(found: Configurations, names: list[str], width: int) -> Table:
     """Return a table of configurations; angles for which a line has no room follow in the next one."""
     from ..results.table import angle_lines
     from ..tables import new_table, numbers

@@ -30,7 +30,7 @@ def register(app: typer.Typer) -> None:
     command(
         app,
         "hold",
-        "pinograsp hold out/glovebox_sphere_gen3_2f85.json --best 5",
+        "pinograsp hold result.json --best 5",
         "pinograsp hold result.json --grasp 3 --first-slip --film --out out",
     )(hold)
 
@@ -54,8 +54,9 @@ def hold(
 ) -> None:
     """Simulate grasps of a result in MuJoCo.
 
-    Each is held at rest, shaken along and turned about every axis of the world. With --out the outcomes are written as <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is
-    tested as <scene>_<task>_<robot>_grasp<number>.xml and .gif.
+    Each is held at rest, shaken along and turned about every axis of the world. With --out the outcomes are written as
+    <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is tested as
+    <scene>_<task>_<robot>_grasp<number>.xml and .gif.
 
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """

@@ -23,7 +23,7 @@ def read_scene(
         name: file or name of a shipped scene.
         task: a task that it must have.
         object_pose: name of an object, its position, m, and its roll, pitch and yaw, rad.
-        lock: texts such as `joint_7=0.5`, rad (m).
+        lock: texts such as `elbow=0.5`, rad (m).
 
     Raises:
         InputError: the scene cannot be read, has no such task or object, or a text cannot be understood.

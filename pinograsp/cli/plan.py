@@ -28,7 +28,7 @@ def register(app: typer.Typer) -> None:
         app,
         "plan",
         "pinograsp plan glovebox --task sphere",
-        "pinograsp plan my_scene.yaml --task can --robot my_robot --lock joint_7=0",
+        "pinograsp plan my_scene.yaml --task can --robot my_robot --lock elbow=0",
     )(plan)
 
 
@@ -63,8 +63,8 @@ def plan(
 ) -> None:
     """Find, verify and rank grasps.
 
-    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search and writes what was found until then.
-    With --json the document is that of the JSON file.
+    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search
+    and writes what was found until then. With --json the document is that of the JSON file.
 
     Exit codes: 0 grasps were found, 1 none was found, 130 interrupted.
     """

@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
     command(
         app,
         "rank",
-        "pinograsp rank out/glovebox_sphere_gen3_2f85.json --by clearance",
+        "pinograsp rank result.json --by clearance",
         "pinograsp rank result.json --pareto U,clearance",
         "pinograsp rank result.json --by 'joint reserve' --all --json",
     )(rank)
@@ -55,8 +55,8 @@ def rank(
 ) -> None:
     """List the grasps of a result in another order.
 
-    The best comes first. Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15 degrees apart, or an
-    arm joint more than 30 degrees; each stands for those that are like it.
+    The best comes first. Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15
+    degrees apart, or an arm joint more than 30 degrees; each stands for those that are like it.
 
     Exit codes: 0 there are grasps, 1 there are none.
     """

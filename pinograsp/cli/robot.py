@@ -103,7 +103,8 @@ def new(
 ) -> None:
     """Write a first robot file for a URDF.
 
-    It has arm, hand, limits, and as pads the flat faces of the fingers that close on each other. What a URDF does not say is marked with CHECK in the file.
+    It has arm, hand, limits, and as pads the flat faces of the fingers that close on each other. What a URDF does not
+    say is marked with CHECK in the file.
 
     Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """

@@ -20,7 +20,7 @@ def register(app: typer.Typer) -> None:
     command(
         app,
         "show",
-        "pinograsp show out/glovebox_sphere_gen3_2f85.json",
+        "pinograsp show result.json",
         "pinograsp show result.json --grasp 3 --out out --open",
     )(show)
 

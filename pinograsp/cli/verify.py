@@ -21,7 +21,7 @@ DIFFERENT = 1
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    command(app, "verify", "pinograsp verify out/glovebox_sphere_gen3_2f85.json")(verify)
+    command(app, "verify", "pinograsp verify result.json")(verify)
 
 
 def verify(
