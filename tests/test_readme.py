@@ -12,7 +12,6 @@ import pytest
 import typer
 
 from pinograsp import cli
-from pinograsp.cli.app import app
 from pinograsp.database import build, cache, sampling
 
 ROOT = Path(__file__).parents[1]
@@ -57,7 +56,7 @@ def test_readme_shows_commands() -> None:
 def test_a_command_is_understood(command: str) -> None:
     name, *arguments = shlex.split(command, comments=True)[1:]
     arguments = arguments[: arguments.index(">")] if ">" in arguments else arguments
-    known = typer.main.get_command(app)
+    known = typer.main.get_command(cli.app)
     while hasattr(known, "commands"):
         assert name in known.commands
         known = known.commands[name]

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from pinograsp.cli.app import app
+from pinograsp.cli import app
 
 
 def commands() -> str:
