@@ -20,6 +20,7 @@ from .errors import UnknownNameError, close_names
 Value = TypeVar("Value", covariant=True)
 
 _ATOMS = frozenset({bool, float, int, str, NoneType})
+"""Types of what is frozen already; asked before `frozen` is called, since grasps cross processes by the thousand."""
 _BRIEF = 6
 """Numbers of an array, or entries of a mapping or a tuple, that a representation shows."""
 
@@ -34,7 +35,7 @@ class FrozenMapping(Mapping[str, Value]):
     __slots__ = ("_content",)
 
     def __init__(self, content: Mapping[str, Value]) -> None:
-        self._content = {name: frozen(value) for name, value in content.items()}
+        self._content = {n: part if type(part) in _ATOMS else frozen(part) for n, part in content.items()}
 
     def __getitem__(self, name: str) -> Value:
         try:
@@ -88,17 +89,13 @@ class Record:
 
     def __post_init__(self) -> None:
         """Freeze what the fields hold."""
-        self._freeze()
-
-    def _freeze(self) -> None:
-        content = self.__dict__
-        for name, value in content.items():
-            content[name] = frozen(value)
+        self.__setstate__(self.__dict__)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take what was pickled or copied: arrays come back writable."""
-        self.__dict__.update(state)
-        self._freeze()
+        """Hold values by field, frozen: arrays of what was pickled or copied come back writable."""
+        content = self.__dict__
+        for name, value in state.items():
+            content[name] = value if type(value) in _ATOMS else frozen(value)
 
     def __eq__(self, other: object) -> bool:
         """Whether another record of the same class holds the same."""
@@ -124,7 +121,7 @@ def frozen(value: Any) -> Any:
     if kind in _ATOMS or kind is FrozenMapping or isinstance(value, Record):
         return value
     if kind is tuple or kind is list:
-        return tuple([frozen(part) for part in value])
+        return tuple([part if type(part) in _ATOMS else frozen(part) for part in value])
     if isinstance(value, np.ndarray):
         return _read_only(value)
     if isinstance(value, Mapping):

@@ -469,7 +469,7 @@ def test_a_pad_that_the_hand_does_not_have() -> None:
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name == "panda" else SLOW) for name in ROBOTS])
 def test_robot_check_is_clean(name: str) -> None:
-    report = check_robot(load_robot_description(name))
+    report = check_robot(name)
     assert [finding for finding in report.findings if finding.level != "ok"] == []
     assert any("pads face each other" in finding.what for finding in report.findings)
 
@@ -477,8 +477,8 @@ def test_robot_check_is_clean(name: str) -> None:
 # ---- nothing about a robot is in Python
 
 PACKAGE = Path(pinograsp.__file__).parent
-DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("plan", "database")}
-"""The robot of a command that is given none."""
+DEFAULTS = {("cli/arguments.py", "gen3_2f85")}
+"""The robot of commands that are given none."""
 EVERYBODYS = {"link1", "link2", "joint1", "joint2", "world", "base", "palm"} | set(TOOL_FRAMES)
 """Attributes of an SRDF and of an MJCF, plain words, and names of tool frames that `robot new` looks for on any arm."""
 

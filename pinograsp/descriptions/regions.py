@@ -16,7 +16,7 @@ from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3
 
 
 class HalfSpace(Frozen):
-    """Points p with normal . p >= offset."""
+    """Points p with normal . p >= offset; the normal has length 1."""
 
     type: Literal["half_space"] = "half_space"
     normal: UnitVector3
@@ -44,7 +44,7 @@ class Sector(Frozen):
 
 
 class Ball(Frozen):
-    """Points within `radius` of `center`."""
+    """Points within `radius` of `center`, m."""
 
     type: Literal["ball"] = "ball"
     center: Vector3
@@ -54,7 +54,7 @@ class Ball(Frozen):
 
 
 class Cuboid(Frozen):
-    """Points between two corners of a box, edges along the axes."""
+    """Points between two corners of a box, m, edges along the axes."""
 
     type: Literal["box"] = "box"
     min: Vector3

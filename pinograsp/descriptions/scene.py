@@ -47,7 +47,7 @@ from .values import (
 
 
 class Enclosure(Frozen):
-    """The inside of a box-shaped room, edges along the world axes; its six walls are half-spaces."""
+    """The inside of a box-shaped room, m, edges along the world axes; its six walls are half-spaces."""
 
     min: Vector3
     """Corner of the least coordinates, m, world."""
@@ -96,7 +96,7 @@ class Object(Body):
 
 
 class Wrench(Frozen):
-    """External wrench on the object: force and torque about the centre of mass, world frame."""
+    """External wrench on the object: force, N, and torque about the centre of mass, N m, world frame."""
 
     force: Vector3
     """N, world."""
@@ -189,13 +189,13 @@ class Task(Frozen):
     margin: Margins = Margins()
     reserve: Reserves = Reserves()
     contact_model: ContactModel | None = None
-    """What the contacts transmit, in place of what the robot's pads say."""
+    """Contact model of every pad, in place of what the robot file says."""
     allowed_contacts: Region | None = None
     """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
     forbidden_contacts: Region | None = None
     """Part of the object's surface where contact is forbidden, object's frame."""
     contact_regions: Literal["footprint", "point"] = "footprint"
-    """What has to be where contact may be: all that pad and object touch, or the contact point alone (the paper)."""
+    """Part of a contact that has to be where contact may be: the footprint, or the contact point alone (the paper)."""
     withstand: Positive | None = None
     """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
     approach: ApproachCone | None = None

@@ -22,7 +22,7 @@ class ShapeDescription(Frozen):
 
 
 class Sphere(ShapeDescription):
-    """A ball around the origin of its frame."""
+    """A ball around the origin of its frame; its radius in m."""
 
     type: Literal["sphere"] = "sphere"
     radius: Positive
@@ -38,7 +38,7 @@ class Box(ShapeDescription):
 
 
 class Cylinder(ShapeDescription):
-    """A cylinder around the z axis of its frame, centred at the origin."""
+    """A cylinder around the z axis of its frame, centred at the origin; radius and height in m."""
 
     type: Literal["cylinder"] = "cylinder"
     radius: Positive

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,9 @@ def read_triangles(mesh: Path) -> Array:
         FileError: the file cannot be read.
     """
     try:
-        whole = trimesh.load_scene(mesh).to_geometry()
+        with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
+            warnings.simplefilter("ignore", DeprecationWarning)
+            whole = trimesh.load_scene(mesh).to_geometry()
         return np.asarray(np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)])
     except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
         raise unreadable(mesh, error) from None

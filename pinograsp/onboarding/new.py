@@ -11,7 +11,7 @@ from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..descriptions.values import Vector3
 from ..disk import write_whole
-from ..errors import InputError
+from ..errors import FileError, InputError
 from ..kinematics.tree import UrdfTree
 from .addresses import address_of, find_urdf, needed_packages
 from .chain import last_link, require_link
@@ -24,23 +24,25 @@ from .robot_file import robot_file, srdf_beside
 class HandMount:
     """A hand with a URDF of its own, and where it sits."""
 
-    urdf: str
+    urdf: str | Path
     to: str | None = None
     """Link of the arm; its last one if not given."""
     root: str | None = None
     """Link of the hand's URDF with which the hand begins."""
     position: Vector3 = ZERO
+    """Of its root on that link, m."""
     rpy: Vector3 = ZERO
+    """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
 
 
 def new_robot_file(
-    urdf: str,
-    output: Path,
+    urdf: str | Path,
+    output: str | Path,
     *,
     hand: HandMount | None = None,
     tip: str | None = None,
-    packages: Sequence[Path] = (),
+    packages: Sequence[str | Path] = (),
 ) -> tuple[str, Draft]:
     """Return the text of a first robot file, and what it says; nothing is written.
 
@@ -54,12 +56,13 @@ def new_robot_file(
     Raises:
         InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
     """
-    files = [find_urdf(urdf, packages, "URDF")]
-    files += [] if hand is None else [find_urdf(hand.urdf, packages, "--hand")]
+    output, folders = Path(output), [Path(folder) for folder in packages]
+    files = [find_urdf(str(urdf), folders, "URDF")]
+    files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "--hand")]
     composition = Composition(
         format=1,
         urdf=address_of(files[0], output),
-        packages=needed_packages(files, packages, output),
+        packages=needed_packages(files, folders, output),
         source=output,
         digest="",
     )
@@ -104,7 +107,7 @@ def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Comp
 def refuse_existing(output: Path, *, replace: bool) -> None:
     """Raise an InputError if a robot file is there that is not to be replaced."""
     if output.exists() and not replace:
-        raise InputError("exists already", file=output, key="--output", remedy="Use --force to replace it")
+        raise InputError("exists already", file=output, key="--out", remedy="Use --force to replace it")
 
 
 def write_new(text: str, output: Path) -> None:
@@ -113,7 +116,10 @@ def write_new(text: str, output: Path) -> None:
     Raises:
         FileError: it cannot be written.
     """
-    write_whole(output, text)
+    try:
+        write_whole(output, text)
+    except FileError as error:
+        raise FileError(error.problem, file=output, key="--out") from None
 
 
 def summary_lines(found: Draft) -> list[str]:

@@ -29,7 +29,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True)
 class Attempt:
-    """What one start came to."""
+    """Outcome of one start."""
 
     solution: Solution
     """Without its state, which belongs to the process that solved."""

@@ -15,8 +15,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, UnknownNameError, close_names
+from ..units import shown_in
 from .grasp import Grasp
-from .units import shown_in
 
 Numbers = dict[str, float]
 """The numbers of one grasp by name: the figures of its certificate, and U."""
@@ -29,7 +29,7 @@ def numbers_of(grasp: Grasp) -> Numbers:
 
 @dataclass(frozen=True, kw_only=True)
 class Criterion:
-    """One number of a grasp, and which of two is better."""
+    """One number of a grasp, in `unit`, and which of two is better."""
 
     name: str
     meaning: str
@@ -68,6 +68,11 @@ class Criterion:
         """Return the value of a grasp as tables show it; a dash where it has none."""
         value = float(self.values([numbers])[0])
         return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
+
+    def shown(self, numbers: Numbers) -> str:
+        """Return `cell` with its unit."""
+        cell = self.cell(numbers)
+        return cell if cell == "-" else f"{cell} {self.shown_unit}".rstrip()
 
     @property
     def shown_unit(self) -> str:
@@ -172,4 +177,6 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         raise UnknownNameError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
     figure = figures[name]
     better: Literal["least", "most"] = "most" if figure.sense == "at least" else "least"
-    return Criterion(name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit)
+    return Criterion(
+        name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit, heading=name, format=".3g"
+    )

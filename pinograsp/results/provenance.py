@@ -1,4 +1,4 @@
-"""What a result was computed from: versions and hashes."""
+"""The origin of a result: versions of packages and hashes of files."""
 
 from __future__ import annotations
 

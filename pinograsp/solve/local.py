@@ -18,7 +18,7 @@ from .projection import initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-"""What a start came to. With the constraints kept at the best point: the solver stopped by itself, or did not. With
+"""Outcomes of a start. With the constraints kept at the best point: the solver stopped by itself, or did not. With
 some violated there: the solver stopped by itself, its budget ended, or it raised an error."""
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from .backends import Limits, backend_of
 
 Projection = Literal["nothing", "contacts", "contacts and clearance"]
-"""What of a grasp a start is projected on."""
+"""Conditions of a grasp that a start is projected on."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class SolverOptions:
     tries: int = 3
     """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
     tolerance: float = 1e-4
-    """Scaled violation that counts as feasible: 1 micrometre."""
+    """Scaled violation that counts as feasible, no unit: 1e-4 is a micrometre."""
     cost_tolerance: float = 1e-6
     """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
     projection: Projection = "contacts and clearance"
-    """What a start is projected on before the solve."""
+    """Conditions that a start is projected on before the solve."""
 
     @property
     def budget(self) -> int:

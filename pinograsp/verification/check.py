@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene, robot_for
 from ..errors import InputError, TaskError, UnknownNameError, close_names
-from .certificate import Certificate, Figure
+from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, footprint_figure, footprints, region_figure, rim_figures
@@ -21,7 +21,7 @@ from .forces import balance_figures, force_figures
 from .jacobians import manipulability_figure, rate_of_twist
 from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
-from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
+from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .resistance import Hold, drive_torques, hold_of, mass_of, resistance_figures
 from .robot import read_robot
@@ -149,15 +149,17 @@ class Verifier:
         """
         self._require_complete(claim)
         poses = self._kinematics.poses(claim.joints)
-        pad_normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
+        pads = Pads.at(self._pads, poses)
         return Derived(
             normals=-np.array([self._target.inward(point) for point in claim.points]),
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, pad_normals, self._pads, self._task),
+            V=force_cost(claim, pads.nearest(claim.points)[1], self._pads, self._task),
+            T_world_pads=pads.poses,
+            joint_order=self._kinematics.joint_order,
         )
 
-    def check_posture(self, joints: dict[str, float]) -> Certificate:
+    def check_posture(self, joints: Mapping[str, float]) -> Certificate:
         """Recompute the clearances of a posture to enclosure, obstacles and itself; the object does not count.
 
         Args:
@@ -166,7 +168,7 @@ class Verifier:
         poses = self._kinematics.poses(joints)
         return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
 
-    def clearances(self, joints: dict[str, float]) -> tuple[PairClearance, ...]:
+    def clearances(self, joints: Mapping[str, float]) -> tuple[PairClearance, ...]:
         """Return the distances below 50 mm of a posture, pair by pair, the least first.
 
         Args:
@@ -196,7 +198,7 @@ class Verifier:
             figures += resistance_figures(self._hold(claim, poses), self._mass, self._task.withstand)
         return figures
 
-    def _joints(self, angles: dict[str, float]) -> list[Figure]:
+    def _joints(self, angles: Mapping[str, float]) -> list[Figure]:
         limits, joints = self._robot.limits, self._kinematics.joints
         figures = [
             limits_figure(limits, angles) if limits else None,
@@ -212,7 +214,7 @@ class Verifier:
             pose = poses[self._robot.arm.wrist]
             figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._robot.arm.wrist))
         if self._task.intervals:
-            positions = self._robot.synergies.values(claim.joints) | claim.joints
+            positions = {**self._robot.synergies.values(claim.joints), **claim.joints}
             figures.append(ranges_figure(self._task.intervals, positions, self._robot.endless))
         return figures
 

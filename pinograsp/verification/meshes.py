@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,9 @@ def _placed(collision: Any, link: str, robot: Composition) -> Any:
 
 def _read(file: str, link: str) -> Any:
     try:
-        mesh = trimesh.load_scene(file).to_geometry()
+        with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
+            warnings.simplefilter("ignore", DeprecationWarning)
+            mesh = trimesh.load_scene(file).to_geometry()
         if not len(mesh.faces):
             raise ValueError("it has no triangles")
         # Without texture and colours, which keep vertices apart that are one.
