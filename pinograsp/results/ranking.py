@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..errors import InputError
+from ..errors import InputError, require_kind
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Grasp
 
@@ -96,6 +96,7 @@ def pareto_front(grasps: Sequence[Grasp], criteria: Sequence[str] = FRONT) -> tu
     Raises:
         InputError: there is no such criterion or figure.
     """
+    require_kind("criteria", criteria, Sequence)
     if isinstance(criteria, str):  # a sequence, too, but of letters
         raise InputError(f"a list of names is wanted, not {criteria!r}", key="criteria", remedy=f"Give [{criteria!r}]")
     default = ordered(grasps)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
-from ..disk import write_whole
+from ..disk import as_path, write_whole
 from . import camera, colors
 from .page import legend, page, row, view_button
 from .scene import draw_enclosure
@@ -91,7 +91,7 @@ def coverage_png(coverage: Coverage, file: Path | str, title: str) -> None:
 
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
-    write_whole(Path(file), picture.getvalue())
+    write_whole(as_path("file", file), picture.getvalue())
 
 
 def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
@@ -109,7 +109,7 @@ def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
     """
     recorder = Recorder()
     view = draw_coverage(Visualizer(window=recorder), coverage)
-    write_whole(Path(file), page(title, _panel(coverage, title), recorder.commands, view))
+    write_whole(as_path("file", file), page(title, _panel(coverage, title), recorder.commands, view))
 
 
 def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camera.View]:
