@@ -9,6 +9,10 @@ from .errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+"""Indices of arrays."""
+Integers = NDArray[np.int64]
+"""Integers that are stored or handed to other libraries."""
+Mask = NDArray[np.bool_]
 
 
 def real_array(name: str, numbers: ArrayLike, *shape: int) -> Array:

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
 from ..disk import as_path, write_whole
@@ -182,7 +181,7 @@ def scale_colors() -> Array:
     return np.asarray(colormaps["viridis"](np.linspace(0, 1, SECTORS)), dtype=np.float64)[:, :3]
 
 
-def _map(axes: Axes, directions: NDArray[np.int64], low: Array, high: Array, scale: ScalarMappable) -> None:
+def _map(axes: Axes, directions: Integers, low: Array, high: Array, scale: ScalarMappable) -> None:
     """Draw approach directions, shape (n0, n1), on a plane from corner `low` to `high`, m, shapes (2,)."""
     axes.imshow(
         np.ma.masked_equal(directions.T, 0),
