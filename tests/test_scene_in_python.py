@@ -290,11 +290,14 @@ def test_nothing_of_a_scene_can_be_changed() -> None:
 
 
 def test_copies_are_as_immutable() -> None:
+    assert ROOM.mounting.matrix[3, 3] == 1.0  # computed before it is copied
     for again in (pickle.loads(pickle.dumps(ROOM)), copy.deepcopy(ROOM), ROOM.model_copy(), ROOM.model_copy(deep=True)):
         assert again == ROOM
         assert again.digest == ROOM.digest
         with pytest.raises(TypeError, match="does not support item assignment"):
             again.objects["other"] = BALL  # type: ignore[index]
+        with pytest.raises(ValueError, match="read-only"):
+            again.mounting.matrix[0] = 1.0
     assert type(ROOM.model_dump()["objects"]) is dict
 
 

@@ -206,7 +206,10 @@ class Task(Frozen):
     Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
     """
     lock: Table[Name, Number] = Field(default_factory=empty)
-    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve."""
+    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve.
+
+    Whole turns of a continuous joint do not count. A joint may have a range, too, which then has to hold the value.
+    """
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
     start_radius: Positive = 0.3
