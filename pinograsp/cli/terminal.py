@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ..errors import InputError
+from ..disk import reason_of
+from ..errors import FileError
 from .reporters import reporter
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def _write(text: str, error: bool = False) -> None:
         with _unread(stream):
             typer.echo(text, file=stream)
     except OSError as problem:
-        raise InputError(f"cannot be written: {(problem.strerror or str(problem)).lower()}", key=stream.name) from None
+        raise FileError(f"cannot be written: {reason_of(problem)}", key=stream.name) from None
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from pathlib import Path
 from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..errors import InputError
+from ..errors import DatabaseMismatchError, InputError
 from ..execution import own_workers
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
@@ -126,7 +126,7 @@ def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database
         found = database.metadata()
         for key, wanted in (("seed", seed), ("spread", spread)):
             if found[key] != wanted:
-                raise InputError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
+                raise DatabaseMismatchError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
     except InputError:
         database.close()
         raise

@@ -10,7 +10,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from ..errors import InputError, close_names
+from ..errors import FileError, close_names
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -60,7 +60,7 @@ def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
         name = parts[0].removesuffix(".yaml")
         if name in shipped:
             return shipped[name]
-    raise InputError(
+    raise FileError(
         f"no such {kind} file, and no shipped {kind} has this name",
         file=path,
         remedy=close_names(path.stem if kind == "scene" else path.name, list(shipped)),

@@ -1,4 +1,4 @@
-"""A pose in YAML: position and roll, pitch, yaw."""
+"""Poses: position and roll, pitch, yaw."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
-from .files import Frozen, Vector3
+from ..frozen import frozen
+from .model import Frozen
+from .values import Vector3
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -18,7 +20,9 @@ class Pose(Frozen):
     """A frame in another one: position (m) and roll, pitch, yaw (rad) about the fixed axes x, y, z, as in URDF."""
 
     position: Vector3 = ZERO
+    """Origin of the frame, m."""
     rpy: Vector3 = ZERO
+    """Roll, pitch and yaw: turns about the fixed x, then y, then z, rad."""
 
     @classmethod
     def of(cls, T: Array) -> Pose:
@@ -27,7 +31,10 @@ class Pose(Frozen):
         Raises:
             InputError: it is none.
         """
-        matrix = np.asarray(T, dtype=np.float64)
+        try:
+            matrix = np.asarray(T, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"must be a pose or an array of shape (4, 4), not {T!r}", key="pose") from None
         if matrix.shape != (4, 4):
             raise InputError(f"has shape {matrix.shape}, not (4, 4)", key="pose")
         R = matrix[:3, :3]
@@ -45,7 +52,7 @@ class Pose(Frozen):
 
     @cached_property
     def matrix(self) -> Array:
-        """Homogeneous transform of the frame in the other one, shape (4, 4)."""
+        """Homogeneous transform of the frame in the other one, m, shape (4, 4); read-only."""
         (cr, cp, cy), (sr, sp, sy) = (
             [math.cos(a) for a in self.rpy],
             [math.sin(a) for a in self.rpy],
@@ -57,4 +64,4 @@ class Pose(Frozen):
             [-sp, cp * sr, cp * cr],
         ]
         T[:3, 3] = self.position
-        return T
+        return np.asarray(frozen(T))
