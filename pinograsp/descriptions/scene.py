@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
+from .. import notebook
 from ..arrays import Array
 from ..disk import digest
 from ..errors import InputError, UnknownNameError, close_names
@@ -26,7 +27,7 @@ from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
 from .problems import INTERNAL, input_error
 from .regions import AllOf, Outside, Region
-from .shapes import Shape
+from .shapes import Shape, ShapeDescription
 from .values import (
     ABSENT,
     FileName,
@@ -277,6 +278,22 @@ class Scene(FileRoot):
             self.__dict__["digest"] = digest(content.encode())
         return self
 
+    def _repr_html_(self) -> str:
+        """Return the bodies and the tasks as tables, as a notebook shows them."""
+        low, high = (_in_brackets(corner) for corner in (self.enclosure.min, self.enclosure.max))
+        bodies = [
+            notebook.row((name, role, _shown(body.shape), _in_brackets(body.pose.position)))
+            for role, named in (("object", self.objects), ("obstacle", self.obstacles))
+            for name, body in named.items()
+        ]
+        tasks = [
+            notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
+            for name, task in self.tasks.items()
+        ]
+        caption = f"Scene {self.name}: enclosure from {low} to {high} m"
+        listed = notebook.table(caption, bodies, ("body", "role", "shape, m", "position, m"))
+        return listed + notebook.table("Tasks", tasks, ("task", "object", "external force, N", "friction"))
+
     def __eq__(self, other: object) -> bool:
         """Whether another scene says the same."""
         return self.to_dict() == other.to_dict() if isinstance(other, Scene) else NotImplemented
@@ -398,3 +415,13 @@ def load_scene(name: str | Path) -> Scene:
         InputError: a key or value is wrong; the message names file, line and key.
     """
     return read_file(locate.scene_file(name), Scene)
+
+
+def _in_brackets(numbers: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{number:g}" for number in numbers) + ")"
+
+
+def _shown(shape: ShapeDescription) -> str:
+    sizes = shape.model_dump(exclude={"type"}).items()
+    shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
+    return ", ".join([shape.type, *shown])
