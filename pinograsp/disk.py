@@ -53,3 +53,11 @@ def digest(content: bytes) -> str:
 def digest_of(file: Path) -> str:
     """Return the SHA-256 of a file's content, in hexadecimal."""
     return digest(file.read_bytes())
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file; in a folder that this user may not look into there is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..disk import cache_folder
+from ..disk import cache_folder, is_file
 from ..errors import InputError
 from ..kinematics.robot import Robot
 from .build import BuildProgress, build_database
@@ -57,7 +57,7 @@ def _require_writable(folder: Path) -> None:
 
 def _complete(file: Path, identity: Identity) -> Database | None:
     """Return the database of a file, or None if it is not there or not complete."""
-    if not file.is_file():
+    if not is_file(file):
         return None
     database = Database.open(file)
     try:

@@ -17,6 +17,7 @@ from typing import Any
 
 import duckdb
 
+from ..disk import is_file
 from ..errors import InputError
 from .identity import Identity
 
@@ -55,7 +56,7 @@ class Database:
             InputError: the file is missing, damaged, foreign, of another format or in use.
         """
         path = Path(file)
-        if not path.is_file():
+        if not is_file(path):
             raise InputError("no such database", file=path, remedy="Make it with `pinograsp database build`")
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
