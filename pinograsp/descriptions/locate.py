@@ -11,7 +11,7 @@ import sysconfig
 from pathlib import Path
 
 from ..disk import is_file
-from ..errors import InputError, close_names
+from ..errors import FileError, InputError, close_names
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -51,6 +51,8 @@ def _expanded(name: str | Path) -> Path:
         return Path(name).expanduser()
     except RuntimeError:
         return Path(name)
+    except TypeError:
+        raise InputError(f"a path or a name is wanted, not {name!r}") from None
 
 
 def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
@@ -61,7 +63,7 @@ def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
         name = parts[0].removesuffix(".yaml")
         if name in shipped:
             return shipped[name]
-    raise InputError(
+    raise FileError(
         f"no such {kind} file, and no shipped {kind} has this name",
         file=path,
         remedy=close_names(path.stem if kind == "scene" else path.name, list(shipped)),

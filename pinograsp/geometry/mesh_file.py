@@ -9,14 +9,14 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..errors import InputError
+from ..errors import FileError
 
 
 def read_triangles(mesh: Path) -> Array:
     """Return the triangles of a mesh file, placed as its scene places them, in metres, shape (n, 3, 3).
 
     Raises:
-        InputError: the file cannot be read.
+        FileError: the file cannot be read.
     """
     try:
         with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
@@ -27,6 +27,6 @@ def read_triangles(mesh: Path) -> Array:
         raise unreadable(mesh, error) from None
 
 
-def unreadable(mesh: Path, error: Exception) -> InputError:
+def unreadable(mesh: Path, error: Exception) -> FileError:
     """Return the error about a mesh file that cannot be read."""
-    return InputError(f"the collision mesh cannot be read: {error}", file=mesh)
+    return FileError(f"the collision mesh cannot be read: {error}", file=mesh)

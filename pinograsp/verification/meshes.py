@@ -12,7 +12,7 @@ import trimesh
 
 from ..arrays import Array
 from ..descriptions.composition import Composition
-from ..errors import InputError
+from ..errors import FileError, InputError
 from .link_mesh import LinkMesh, kept
 
 _SECTIONS = 128
@@ -93,8 +93,8 @@ def _read(file: str, link: str) -> Any:
         raise _unreadable(Path(file), link, error) from None
 
 
-def _unreadable(file: Path, link: str, error: Exception) -> InputError:
-    return InputError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
+def _unreadable(file: Path, link: str, error: Exception) -> FileError:
+    return FileError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:
