@@ -68,8 +68,9 @@ class Terminal:
 
 
 def fail(line: str) -> None:
-    """Write the line of an error."""
-    _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
+    """Write the line of an error, where there is anything to write it to."""
+    with contextlib.suppress(InputError):
+        _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
 
 
 @contextmanager
@@ -98,7 +99,8 @@ def _write(text: str, error: bool = False) -> None:
         with _unread(stream):
             typer.echo(text, file=stream)
     except OSError as problem:
-        raise InputError(f"cannot be written: {(problem.strerror or str(problem)).lower()}", key=stream.name) from None
+        name, reason = "standard error" if error else "standard output", (problem.strerror or str(problem)).lower()
+        raise InputError(f"cannot be written: {reason}", key=name) from None
 
 
 @contextmanager
