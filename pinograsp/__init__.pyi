@@ -38,8 +38,13 @@ from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box
 from .descriptions.shapes import Cylinder as Cylinder
 from .descriptions.shapes import Sphere as Sphere
+from .errors import DatabaseMismatchError as DatabaseMismatchError
+from .errors import FileError as FileError
 from .errors import InputError as InputError
+from .errors import MissingExtraError as MissingExtraError
 from .errors import PinograspError as PinograspError
+from .errors import TaskError as TaskError
+from .errors import UnknownNameError as UnknownNameError
 from .errors import WorkerLostError as WorkerLostError
 from .geometry.cone import Cone as Cone
 from .hold.options import HoldOptions as HoldOptions

@@ -11,7 +11,8 @@ import typer
 
 import pinograsp
 
-from ..errors import InputError
+from ..disk import reason_of, write_whole
+from ..errors import FileError, InputError
 from . import arguments
 from .arguments import command, named_values, names_of
 from .folders import file_name, make_folder, save
@@ -100,10 +101,11 @@ def _of_file(file: Path) -> dict[str, float]:
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be read: {reason}", file=file, key="--joints", remedy="Check the path") from None
+        raise FileError(
+            f"cannot be read: {reason_of(error)}", file=file, key="--joints", remedy="Check the path"
+        ) from None
     except ValueError as error:
-        raise InputError(f"is not valid JSON: {error}", file=file, key="--joints") from None
+        raise FileError(f"is not valid JSON: {error}", file=file, key="--joints") from None
     if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
         content = content["joints"]
     if not isinstance(content, dict):
@@ -116,7 +118,6 @@ def _of_file(file: Path) -> dict[str, float]:
 
 
 def _saved(found: pinograsp.ConfigurationCheck, folder: Path, names: tuple[str, str, str]) -> Iterator[str]:
-    from ..disk import write_whole
 
     file = folder / file_name(*names, "check", suffix="json")
     yield save(file, lambda: write_whole(file, json.dumps(found.to_json(), indent=1, allow_nan=False) + "\n"))

@@ -6,21 +6,21 @@ import math
 
 import pinograsp
 
-from ..errors import InputError, close_names
+from ..errors import UnknownNameError, close_names
 
 
 def require_order(name: str) -> None:
     """Refuse what grasps cannot be ordered by, before there are any.
 
     Raises:
-        InputError: there is no such criterion.
+        UnknownNameError: there is no such criterion.
     """
     from ..results.criteria import ALIASES, BY_NAME
     from ..results.ranking import SCORE
 
     known = [SCORE, *BY_NAME, *ALIASES]
     if name not in known:
-        raise InputError(f"no order is called {name!r}", key="--rank-by", remedy=close_names(name, known))
+        raise UnknownNameError(f"no order is called {name!r}", key="--rank-by", remedy=close_names(name, known))
 
 
 def is_measured(by: str, result: pinograsp.Result) -> bool:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ..errors import InputError
+from ..disk import reason_of
+from ..errors import FileError
 from .reporters import reporter
 
 if TYPE_CHECKING:
@@ -99,8 +100,8 @@ def _write(text: str, error: bool = False) -> None:
         with _unread(stream):
             typer.echo(text, file=stream)
     except OSError as problem:
-        name, reason = "standard error" if error else "standard output", (problem.strerror or str(problem)).lower()
-        raise InputError(f"cannot be written: {reason}", key=name) from None
+        name = "standard error" if error else "standard output"
+        raise FileError(f"cannot be written: {reason_of(problem)}", key=name) from None
 
 
 @contextmanager

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..disk import cache_folder
-from ..errors import InputError
+from ..disk import cache_folder, reason_of
+from ..errors import FileError, InputError
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
 from .build import build_database
@@ -50,9 +50,9 @@ def _require_writable(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        problem = f"the cache folder cannot be written: {(error.strerror or str(error)).lower()}"
+        problem = f"the cache folder cannot be written: {reason_of(error)}"
         remedy = "Set PINOGRASP_CACHE to a folder that can, or give a database"
-        raise InputError(problem, file=folder, remedy=remedy) from None
+        raise FileError(problem, file=folder, remedy=remedy) from None
 
 
 def _complete(file: Path, identity: Identity) -> Database | None:
