@@ -70,7 +70,7 @@ class Terminal:
 
 def fail(line: str) -> None:
     """Write the line of an error, where there is anything to write it to."""
-    with contextlib.suppress(InputError):
+    with contextlib.suppress(FileError):
         _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
 
 
