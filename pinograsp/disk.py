@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import FileError, InputError
+from .errors import FileError, InputError, require_kind
 
 
 def cache_folder() -> Path:
@@ -27,6 +27,16 @@ def cache_folder() -> Path:
     except RuntimeError:
         problem, remedy = "there is no home folder for the cache", "Set PINOGRASP_CACHE to a folder that can be written"
         raise InputError(problem, remedy=remedy) from None
+
+
+def as_path(name: str, file: Path | str) -> Path:
+    """Return a path that was given as the argument of a name.
+
+    Raises:
+        InputError: it is none.
+    """
+    require_kind(name, file, Path, str)
+    return Path(file)
 
 
 def content_of(file: Path) -> bytes:
@@ -88,3 +98,11 @@ def digest_of(file: Path) -> str:
 def reason_of(error: OSError) -> str:
     """Return what the system says of a failure, in lower case."""
     return (error.strerror or str(error)).lower()
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file: none that this user may not look for, none of a name that the system refuses."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

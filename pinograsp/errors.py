@@ -15,7 +15,9 @@ is a `Result` without grasps that says what blocked it.
 
 from __future__ import annotations
 
+import math
 import operator
+import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -119,6 +121,36 @@ def whole_number(name: str, number: int, least: int, most: int | None = None) ->
     if most is not None and whole > most:
         raise InputError(f"must be at most {most}, not {whole}", key=name)
     return whole
+
+
+def real_number(name: str, number: float, least: float = -math.inf, most: float = math.inf) -> float:
+    """Return a finite number, NumPy's too, that was given as the argument of a name.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    try:
+        real = float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"must be a number, not {number!r}", key=name) from None
+    if not math.isfinite(real):
+        raise InputError(f"must be a finite number, not {real}", key=name)
+    if real < least:
+        raise InputError(f"must be at least {least:g}, not {real:g}", key=name)
+    if real > most:
+        raise InputError(f"must be at most {most:g}, not {real:g}", key=name)
+    return real
+
+
+def require_kind(name: str, value: object, *kinds: type, remedy: str | None = None) -> None:
+    """Refuse what was given as the argument of a name and is of no class that is wanted.
+
+    Raises:
+        InputError: it is of none.
+    """
+    if not isinstance(value, kinds):
+        wanted = " or ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
 
 
 def close_names(name: object, known: Iterable[str]) -> str:

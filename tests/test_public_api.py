@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from pydantic import BaseModel
 
 import pinograsp
 
@@ -172,3 +173,24 @@ def test_parameters_of_public_methods_are_documented() -> None:
             text = inspect.getdoc(function) or ""
             missing = [p for p in parameters if not re.search(rf"^ +{p}: ", text, re.MULTILINE)]
             assert len(parameters) <= 1 or not missing, f"{name}.{method}: {', '.join(missing)}"
+
+
+def test_files_are_given_as_texts_or_paths() -> None:
+    """Wherever a path may be given, its text may be."""
+    functions = {name: _value(name) for name in (documented.name for documented in FUNCTIONS)}
+    for name in OWN:
+        defined = getattr(pinograsp, name)
+        if inspect.isclass(defined) and not issubclass(defined, (BaseException, BaseModel)):
+            functions[name] = defined
+            members = {f"{name}.{key}": getattr(value, "__func__", value) for key, value in vars(defined).items()}
+            functions |= {
+                key: value
+                for key, value in members.items()
+                if inspect.isfunction(value) and not value.__name__.startswith("_")
+            }
+    internal = {"Database", "Database.create"}  # an open file; what `build_database` calls
+    assert internal <= functions.keys()
+    for name in functions.keys() - internal:
+        for parameter in inspect.signature(functions[name]).parameters.values():
+            kinds = re.split(r"\W+", str(parameter.annotation))
+            assert "Path" not in kinds or "str" in kinds, f"{name}: {parameter}"

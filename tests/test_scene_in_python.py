@@ -331,10 +331,10 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: Pose(position=np.array(["a", "b", "c"])), "position[0]", ["a number", "'a'"]),  # type: ignore[arg-type]
     (lambda: Pose(rpy=(0.0, NAN, 0.0)), "rpy[1]", ["finite"]),
     (lambda: Pose.of(np.eye(3)), "pose", ["(3, 3), not (4, 4)"]),
-    (lambda: Pose.of("here"), "pose", ["must be a pose", "'here'"]),  # type: ignore[arg-type]
-    (lambda: Pose.of([[1, 2], [3]]), "pose", ["must be a pose"]),  # type: ignore[arg-type]
+    (lambda: Pose.of("here"), "pose", ["must be numbers of shape (4, 4)", "'here'"]),  # type: ignore[arg-type]
+    (lambda: Pose.of([[1, 2], [3]]), "pose", ["must be numbers of shape (4, 4)"]),  # type: ignore[arg-type]
     (lambda: Pose.of(2.0 * np.eye(4)), "pose", ["no homogeneous transform"]),
-    (lambda: Pose.of(np.full((4, 4), NAN)), "pose", ["no homogeneous transform"]),
+    (lambda: Pose.of(np.full((4, 4), NAN)), "pose", ["not finite"]),
     (lambda: HalfSpace(normal=(0.0, 0.0, 2.0), offset=0.0), "normal", ["length 1, not 2"]),
     (lambda: Band(z=(1.0, 0.0)), "z", ["1 is not below", "end 0"]),
     (lambda: AllOf(parts=()), "parts", ["at least 1", "0 given"]),

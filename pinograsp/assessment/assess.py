@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from ..compiled import compiling
-from ..errors import InputError, whole_number
+from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp
@@ -50,8 +50,9 @@ def assess(
     Raises:
         InputError: the grasp belongs to no result, a file of its robot is missing, or a number is out of range.
     """
-    if errors is not None and not isinstance(errors, Errors):
-        raise InputError(f"must be pinograsp.Errors, not {errors!r}", key="errors")
+    require_kind("grasp", grasp, Grasp, remedy="Take one of `Result.grasps`")
+    if errors is not None:
+        require_kind("errors", errors, Errors, remedy="Give pinograsp.Errors(...)")
     samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0)
     if workers is not None:
         whole_number("workers", workers, 1)

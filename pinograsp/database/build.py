@@ -16,11 +16,13 @@ from contextlib import closing
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import get_args
 
 from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..errors import DatabaseMismatchError, InputError
+from ..disk import as_path
+from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, whole_number
 from ..execution import own_workers
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
@@ -66,9 +68,14 @@ def build_database(
         The database, open for reading. It has no row if none of `HOPELESS` batches of samples is free of collision.
 
     Raises:
-        InputError: the file is no database, or one for another robot, enclosure, margin, seed or spread.
+        FileError: the file is no database, or cannot be written.
+        DatabaseMismatchError: it is one for another robot, enclosure, margin, seed or spread.
+        InputError: a number is out of range, or there is no such spread.
     """
-    path = Path(file)
+    path = as_path("file", file)
+    size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
+    if spread not in (known := get_args(Spread)):
+        raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
     margins = margins or Margins()
     identity = Identity.of(robot, scene, margins)
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)

@@ -17,7 +17,7 @@ from typing import Any
 
 import duckdb
 
-from ..disk import written_whole
+from ..disk import as_path, is_file, written_whole
 from ..errors import DatabaseMismatchError, FileError
 from .identity import Identity
 
@@ -55,8 +55,8 @@ class Database:
         Raises:
             FileError: the file is missing, damaged, foreign, of another format or in use.
         """
-        path = Path(file)
-        if not path.is_file():
+        path = as_path("file", file)
+        if not is_file(path):
             raise FileError("no such database", file=path, remedy="Make it with `pinograsp database build`")
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
@@ -189,7 +189,7 @@ class Database:
         names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
         rows = f"SELECT {names}, {others} FROM configurations"
-        with written_whole(Path(file)) as unfinished:
+        with written_whole(as_path("file", file)) as unfinished:
             target = str(unfinished).replace("'", "''")
             self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, real_array
 from ..errors import InputError
 from ..frozen import frozen
 from .model import Frozen
@@ -31,15 +31,10 @@ class Pose(Frozen):
         Raises:
             InputError: it is none.
         """
-        try:
-            matrix = np.asarray(T, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError(f"must be a pose or an array of shape (4, 4), not {T!r}", key="pose") from None
-        if matrix.shape != (4, 4):
-            raise InputError(f"has shape {matrix.shape}, not (4, 4)", key="pose")
+        matrix = real_array("pose", T, 4, 4)
         R = matrix[:3, :3]
         rigid = np.allclose(R.T @ R, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0.0
-        if not (np.isfinite(matrix).all() and rigid and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0])):
+        if not (rigid and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0])):
             raise InputError("is no homogeneous transform: a rotation and a translation are wanted", key="pose")
         across = math.hypot(R[0, 0], R[1, 0])
         pitch = math.atan2(-R[2, 0], across)

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
+from ..errors import UnknownNameError, close_names
 from .problems import INTERNAL
 from .robot import RobotDescription
 from .scene import Scene
@@ -15,6 +16,9 @@ _MODELS: dict[str, type[BaseModel]] = {"robot": RobotDescription, "scene": Scene
 
 def schema(kind: Literal["robot", "scene"]) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file."""
+    if not isinstance(kind, str) or kind not in _MODELS:
+        remedy = close_names(kind, _MODELS)
+        raise UnknownNameError(f"there are no files of kind {kind!r}", key="kind", remedy=remedy)
     result: dict[str, Any] = _MODELS[kind].model_json_schema()
     for internal in INTERNAL:  # set by the reader, never written in a file
         result["properties"].pop(internal)

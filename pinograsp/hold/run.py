@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import InputError, whole_number
+from ..errors import InputError, require_kind, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
@@ -74,7 +74,12 @@ def in_order(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
     """Return the grasps of a result, the best first; or what is given."""
     if isinstance(grasps, Grasp):
         return (grasps,)
-    return grasps.grasps if isinstance(grasps, Result) else tuple(grasps)
+    if isinstance(grasps, Result):
+        return grasps.grasps
+    require_kind("grasps", grasps, Result, Grasp, Sequence)
+    for grasp in grasps:
+        require_kind("grasps", grasp, Grasp)
+    return tuple(grasps)
 
 
 def setup_of(grasp: Grasp) -> Setup:

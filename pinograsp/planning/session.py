@@ -20,7 +20,7 @@ from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
-from ..errors import InputError, whole_number
+from ..errors import InputError, real_number, require_kind, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
@@ -63,7 +63,7 @@ class Planner:
             grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found until then.
 
     Raises:
-        InputError: a number is out of range, or both workers and an executor are given.
+        InputError: an argument is of another class, a number is out of range, or workers and executor are both given.
     """
 
     def __init__(
@@ -77,6 +77,12 @@ class Planner:
         options: SolverOptions | None = None,
         progress: Report = no_report,
     ) -> None:
+        require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
+        require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+        if options is not None:
+            require_kind("options", options, SolverOptions, remedy="Give SolverOptions(...)")
+        if database is not None:
+            require_kind("database", database, Database, Path, str)
         if workers is not None:
             whole_number("workers", workers, 1)
         if executor is not None and not isinstance(executor, Executor):
@@ -171,8 +177,8 @@ class Planner:
         """
         if most is not None:
             whole_number("most", most, 1)
-        if deadline is not None and not deadline >= 0.0:  # nor not a number
-            raise InputError(f"must be at least 0, not {deadline}", key="deadline")
+        if deadline is not None:
+            real_number("deadline", deadline, 0.0)
         began = time.perf_counter()
         model = self._model(task)
         check_task(model)

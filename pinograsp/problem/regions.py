@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..errors import TaskError
 from ..geometry.shapes import surface_of
 from ..kinematics.reach import arm_reach
@@ -77,7 +77,7 @@ def _surface_points(model: TaskModel) -> tuple[Array, Array]:
     return points, model.surface.signed_distance(points)[1]
 
 
-def _uncovered(model: TaskModel, points: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _uncovered(model: TaskModel, points: Array) -> Mask:
     """Return which world points are inside the enclosure and in no obstacle or other object."""
     free = np.ones(len(points), dtype=bool)
     for inward, offset in model.scene.enclosure.walls.values():

@@ -124,7 +124,11 @@ class Grasp(Record):
         )
 
     def __repr__(self) -> str:
-        found = "own configuration" if self.start is None else f"found by {self.count} starts"
+        found = (
+            "own configuration"
+            if self.start is None
+            else f"found by {self.count} {'start' if self.count == 1 else 'starts'}"
+        )
         verdict = "verified" if self.certificate.verified else "not verified"
         return f"<Grasp: {verdict}, U {self.cost.U:.4g}, {found}{_place(self.setup)}>"
 

@@ -74,5 +74,5 @@ def clearance_cells(pair: PairClearance) -> tuple[str, str, str, str]:
 
 
 def _contact_row(contact: Contact) -> str:
-    force = ", ".join(f"{component:.2f}" for component in contact.force)
+    force = ", ".join(f"{component:z.2f}" for component in contact.force)
     return notebook.row((contact.pad, contact.link, f"({force}) N"))

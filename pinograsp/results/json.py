@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..disk import reason_of, write_whole
+from ..disk import as_path, reason_of, write_whole
 from ..errors import FileError
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
@@ -29,7 +29,7 @@ def write_json(result: Result, file: Path | str) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    write_whole(Path(file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
+    write_whole(as_path("file", file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
 
 
 def read_json(file: Path | str) -> Result:
@@ -40,7 +40,7 @@ def read_json(file: Path | str) -> Result:
     Raises:
         FileError: the file is missing, is no JSON, or is of another format.
     """
-    data = _load(Path(file))
+    data = _load(as_path("file", file))
     try:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.

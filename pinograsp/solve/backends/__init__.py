@@ -19,6 +19,6 @@ def backend_of(name: str) -> Backend:
     Raises:
         UnknownNameError: there is none of this name.
     """
-    if name not in BACKENDS:
-        raise UnknownNameError(f"no solver {name!r}", key="algorithm", remedy=close_names(name, list(BACKENDS)))
+    if not isinstance(name, str) or name not in BACKENDS:
+        raise UnknownNameError(f"no solver {name!r}", key="algorithm", remedy=close_names(name, BACKENDS))
     return BACKENDS[name]
