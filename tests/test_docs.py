@@ -58,6 +58,16 @@ def test_the_reference_has_every_public_name_and_no_other() -> None:
         assert f"[`{name}`][pinograsp.{name}]" in index
 
 
+def test_the_tree_of_errors_is_drawn_as_it_is() -> None:
+    page = (DOCS / "reference" / "errors.md").read_text()
+    drawn = re.findall(r"^( *)(\w+Error)\b", page.partition("```text\n")[2].partition("```")[0], re.MULTILINE)
+    above: list[str] = []
+    for indentation, name in drawn:
+        above = [*above[: len(indentation) // 4], name]
+        assert getattr(pinograsp, name).__base__.__name__ == (above[-2] if len(above) > 1 else "Exception")
+    assert {name for _, name in drawn} == {name for name in pinograsp.__all__ if name.endswith("Error")}
+
+
 def test_the_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text().splitlines()) <= 120
 
