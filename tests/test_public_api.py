@@ -27,8 +27,6 @@ UNIT = re.compile(
 UNITLESS = re.compile(
     r"\b(coefficient|factor|share|parts?|unit vectors?|length 1|no unit|pure number)\b|`unit`", re.IGNORECASE
 )
-    r"\b(coefficient|factor|share|parts?|unit vectors?|length 1|no unit|pure number)\b|`unit`", re.IGNORECASE
-)
 """Words for quantities that have none, and for those that say it beside themselves."""
 QUANTITY = re.compile(r"\b(float|Array|\w*Vector3|\w*Interval|Number|Positive|NotNegative|Length)\b")
 """Annotations of what may have a unit."""
