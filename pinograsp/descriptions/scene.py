@@ -231,7 +231,7 @@ class Task(Frozen):
 
     @cached_property
     def intervals(self) -> tuple[JointInterval, ...]:
-        """All that the task asks of joints: the ranges, then the locks as intervals of no width."""
+        """All that the task asks of joints: the ranges, then the locks as intervals of no width, rad (m)."""
         ranges = (JointInterval("joint_ranges", name, *ends) for name, ends in self.joint_ranges.items())
         locks = (JointInterval("lock", name, value, value) for name, value in self.lock.items())
         return (*ranges, *locks)
@@ -346,6 +346,10 @@ class Scene(FileRoot):
     def with_object(self, name: str, object: Object) -> Self:
         """Return the scene with an object more, or with another one of a name.
 
+        Args:
+            name: of the object.
+            object: as it is from now on.
+
         Raises:
             InputError: an obstacle has this name, or it is no object.
         """
@@ -353,6 +357,10 @@ class Scene(FileRoot):
 
     def with_obstacle(self, name: str, body: Body) -> Self:
         """Return the scene with an obstacle more, or with another one of a name.
+
+        Args:
+            name: of the obstacle.
+            body: as it is from now on.
 
         Raises:
             InputError: an object has this name, or it is no body.
