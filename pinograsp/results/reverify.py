@@ -36,9 +36,9 @@ class Difference(Record):
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
-    """What the result says; None: nothing."""
+    """Its value in the result; None: nothing is stated."""
     recomputed: Any
-    """What follows from the rest; None: nothing."""
+    """The value that follows from the rest; None: nothing does."""
 
 
 def verify(result: Result, progress: Callable[[int], None] | None = None) -> tuple[Difference, ...]:
