@@ -20,7 +20,7 @@ from conftest import TOY_SCENE, TOY_URDF, RobotFactory, SceneFactory
 from PIL import Image
 
 import pinograsp
-from pinograsp import HoldOptions, HoldOutcome, InputError, cli, hold_test
+from pinograsp import HoldOptions, HoldOutcome, InputError, Progress, cli, hold_test
 from pinograsp.descriptions import Scene
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
@@ -245,11 +245,11 @@ def test_a_planned_grasp_of_the_real_robot(gen3: Robot, glovebox: Scene) -> None
 
 
 def test_outcomes_do_not_depend_on_the_run(result: Result, outcome: HoldOutcome) -> None:
-    seen: list[int] = []
+    seen: list[Progress] = []
     options = HoldOptions(controls=True, first_slip=True)
-    found = hold_test(result, workers=2, options=options, progress=lambda progress: seen.append(progress.done))
+    found = hold_test(result, workers=2, options=options, progress=seen.append)
     assert found == (outcome, replace(outcome, grasp=2))
-    assert seen == [1, 2]
+    assert seen == [Progress("grasps", number, 2, {"held": number}) for number in (1, 2)]
     assert len(hold_test(result, 1, workers=1)) == 1
 
 
@@ -340,12 +340,22 @@ def test_command_line(
         captured = capsys.readouterr()
         return int(ended.value.code or 0), captured.out + captured.err
 
-    code, output = run("--controls", "--mjcf", "model.xml")
+    names = f"{result.scene}_{result.task}_{result.robot}"
+    code, output = run("--controls", "--mjcf", "--out", "out")
     assert code == 0
     assert "2 of 2 grasps hold" in output
-    assert "3.00 3.00" in output
+    assert output.count("3.00  3.00") == 4  # of two grasps, measured and planned
     assert "control with no squeeze: drops every object" in output
-    assert (tmp_path / "model.xml").exists()
+    assert f"written: out/{names}_grasp1.xml\n" in output
+    assert (tmp_path / "out" / f"{names}_grasp1.xml").exists()
+    written = json.loads((tmp_path / "out" / f"{names}_hold.json").read_text())
+    code, output = run("--controls", "--json")
+    assert code == 0
+    found = json.loads(output)
+    for outcome in (*found["outcomes"], *written["outcomes"]):
+        assert outcome.pop("seconds") > 0.0
+    assert found == written
+    assert [outcome["grasp"] for outcome in found["outcomes"]] == [1, 2]
     code, output = run("--grasp", "2", "--acceleration", "20", "--spin", "0")
     assert code == 1
     assert "0 of 1 grasps hold" in output
@@ -353,9 +363,9 @@ def test_command_line(
     code, output = run("--grasp", "3")
     assert code == 2
     assert "--grasp: no grasp 3: there are 2, numbered from 1" in output
-    code, output = run("--film", "hold.mp4")
+    code, output = run("--film")
     assert code == 2
-    assert "hold.mp4: a film is a GIF" in output
+    assert "--film: is a file to write. Give its folder with --out" in output
     assert "grasps hold" not in output  # nothing was simulated for it
     code, output = run("--spin", "inf")
     assert code == 2

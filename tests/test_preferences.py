@@ -17,7 +17,8 @@ from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
 from pinograsp.database.build import build_database
 from pinograsp.database.store import Database
 from pinograsp.descriptions import Scene
-from pinograsp.descriptions.scene import ApproachCone, Pose
+from pinograsp.descriptions.pose import Pose
+from pinograsp.descriptions.scene import ApproachCone, JointInterval
 from pinograsp.problem import GraspProblem, TaskModel, Violation
 from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp
@@ -218,7 +219,7 @@ def test_a_grasp_outside_a_range_is_refuted(free: Result, gen3: Robot, glovebox:
     ],
 )
 def test_whole_turns_count_for_limited_joints_only(low: float, high: float, free: float, held: float) -> None:
-    ranges, angles = {"a": (1.0 + low, 1.0 + high)}, {"a": 1.0}
+    ranges, angles = [JointInterval("joint_ranges", "a", 1.0 + low, 1.0 + high)], {"a": 1.0}
     assert ranges_figure(ranges, angles, {"a"}).value == pytest.approx(free)
     assert ranges_figure(ranges, angles, set()).value == pytest.approx(held)
 

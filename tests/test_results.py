@@ -23,7 +23,7 @@ from rich.table import Table
 
 from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
-from pinograsp.descriptions.files import FileRoot
+from pinograsp.descriptions.model import FileRoot
 from pinograsp.frozen import Record
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, merge
 from pinograsp.results.provenance import provenance

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pinograsp import Difference, Result, Robot, Setup, cli, plan, read_json, verify, write_json
+from pinograsp import Difference, Progress, Result, Robot, Setup, cli, plan, read_json, verify, write_json
 from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.descriptions.robot_files import hashes_of
 from pinograsp.descriptions.urdf import read_urdf
@@ -110,13 +110,14 @@ def a_little_more(value: float) -> float:
 
 
 def test_a_written_result_stands(result: Result, data: dict[str, Any], reread: Reread) -> None:
-    done: list[int] = []
+    seen: list[Progress] = []
     back = reread(data)
     assert len(back.grasps) > 1
     assert not back.altered
     assert data == sealed(data)
-    assert verify(back, progress=done.append) == ()
-    assert done == list(range(1, len(back.grasps) + 1))
+    assert verify(back, progress=seen.append) == ()
+    count = len(back.grasps)
+    assert seen == [Progress("certificates", number, count) for number in range(1, count + 1)]
     assert verify(result) == ()  # also without a file
 
 

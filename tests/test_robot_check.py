@@ -218,9 +218,9 @@ def test_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[
         return int(ended.value.code or 0), *capsys.readouterr()
 
     write_toy(tmp_path, {})
-    code, output, errors = run("robot.yaml", "--no-open", "--out", "some where")
+    code, output, errors = run("robot.yaml", "--out", "some where")
     assert (code, errors) == (0, "")
-    assert "toy: what the check found" in output
+    assert "toy: findings" in output
     assert "0 wrong, 0 doubtful, " in output
     assert "written: some where/toy_check.html\n" in output
     assert "<html" in (tmp_path / "some where" / "toy_check.html").read_text()[:1000]

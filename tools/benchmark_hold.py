@@ -106,7 +106,7 @@ def tested(name: str, result: Result, arguments: argparse.Namespace) -> Tested:
     options = HoldOptions(first_slip=True, controls=True)
     show = sys.stderr.isatty()
 
-    def say(progress: pinograsp.hold.HoldProgress) -> None:
+    def say(progress: pinograsp.Progress) -> None:
         if show:
             print(f"\r{name}: {progress.done} of {progress.total}", end="", file=sys.stderr, flush=True)
 

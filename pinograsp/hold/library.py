@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..errors import InputError
+from ..errors import MissingExtraError
 
 
 def mujoco() -> Any:
     """Return the module mujoco.
 
     Raises:
-        InputError: it is not installed.
+        MissingExtraError: it is not installed.
     """
     try:
         import mujoco as library
     except ImportError:
-        raise InputError("the hold test needs MuJoCo", remedy="Run pip install 'pinograsp[hold]'") from None
+        raise MissingExtraError("the hold test", "MuJoCo", "hold") from None
     return library

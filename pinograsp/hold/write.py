@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..disk import write_whole
+from ..disk import as_path, write_whole
 from ..results import Grasp
 from .mjcf import HandAndObject
 from .options import HoldOptions
@@ -25,4 +25,4 @@ def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
         InputError: as `hold_test`, or the file cannot be written.
     """
     bodies = HandAndObject(setup_of(grasp), options or HoldOptions())
-    write_whole(Path(file), bodies.model(grasp, shown=True).xml + "\n")
+    write_whole(as_path("file", file), bodies.model(grasp, shown=True).xml + "\n")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from ..tables import new_table, numbers, words
 from .check import RobotReport
 from .findings import Finding
 
@@ -15,10 +15,9 @@ STYLES = {"wrong": "bold red", "doubtful": "yellow", "ok": "green"}
 
 def findings_table(report: RobotReport) -> Table:
     """Return the findings, the worst first, each with what to do below it."""
-    table = _table(f"{report.name}: what the check found")
-    table.show_header = False
+    table = new_table(f"{report.name}: findings", headings=False)
     table.add_column(no_wrap=True)
-    table.add_column(overflow="fold")
+    words(table, "")
     for level, style in STYLES.items():
         for finding in report.findings:
             if finding.level == level:
@@ -28,10 +27,9 @@ def findings_table(report: RobotReport) -> Table:
 
 def links_table(report: RobotReport) -> Table:
     """Return the figures of the links' collision geometry."""
-    table = _table("collision geometry; how far its convex pieces stand off the meshes, mm")
-    table.add_column("link", overflow="fold")
-    for heading in ("triangles", "watertight", "pieces", "95 %", "most"):
-        table.add_column(heading, justify="right", no_wrap=True)
+    table = new_table("collision geometry; how far its convex pieces stand off the meshes, mm")
+    words(table, "link")
+    numbers(table, "triangles", "watertight", "pieces", "95 %", "most")
     for link in report.links:
         counts = (f"{link.triangles}", "yes" if link.closed else "no", f"{link.pieces}")
         table.add_row(escape(link.link), *counts, f"{1e3 * link.excess:.1f}", f"{1e3 * link.most:.1f}")
@@ -42,10 +40,6 @@ def summary(report: RobotReport) -> str:
     """Return how many findings there are of each level."""
     counts = {level: sum(finding.level == level for finding in report.findings) for level in STYLES}
     return ", ".join(f"{count} {level}" for level, count in counts.items())
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
 
 
 def _in_words(finding: Finding) -> str:

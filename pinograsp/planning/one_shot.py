@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 
-from ..database.build import BuildProgress
 from ..database.store import Database
 from ..descriptions import Scene
 from ..kinematics.robot import Robot
+from ..progress import Report, no_report
 from ..results import Result
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.options import SolverOptions
 from .defaults import DEFAULT_STARTS
-from .outcomes import Progress
 from .own_configuration import Configuration
 from .session import Planner
 
@@ -30,8 +28,7 @@ def plan(
     seed: int = 0,
     database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    build_progress: Callable[[BuildProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> Result:
     """Find, verify and rank grasps: one plan of a `Planner`, which has more for who plans again and again.
 
@@ -48,8 +45,7 @@ def plan(
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called after every start.
-        build_progress: called after every batch while a database is built.
+        progress: called as the work goes on, stage by stage; see `Planner`.
 
     Raises:
         InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
@@ -62,9 +58,9 @@ def plan(
         workers=workers,
         executor=executor,
         options=options,
-        build_progress=build_progress,
+        progress=progress,
     ) as planner:
-        return planner.plan(task, starts=starts, seed=seed, progress=progress)
+        return planner.plan(task, starts=starts, seed=seed)
 
 
 def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> ConfigurationCheck:

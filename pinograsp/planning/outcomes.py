@@ -10,24 +10,11 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
+from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a run is."""
-
-    done: int
-    """Number of starts that were solved."""
-    total: int
-    """Number of starts of the run."""
-    verified: int
-    """Number of those whose grasp is verified."""
-    best_U: float
-    """Least U, mm^2; infinite until the first verified grasp."""
 
 
 @dataclass
@@ -47,9 +34,10 @@ class Run:
     interrupted: bool = False
 
     def progress(self, total: int) -> Progress:
-        """Return how far the run is, of so many starts."""
+        """Return how far the run is, of so many starts: with how many are `verified`, and the `best U` of these."""
         costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
-        return Progress(len(self.attempts), total, len(costs), min(costs, default=float("inf")))
+        best = {"best U": min(costs)} if costs else {}
+        return Progress("starts", len(self.attempts), total, {"verified": len(costs), **best})
 
     def distinct(self) -> tuple[Grasp, ...]:
         """Return the grasps that were found, near-identical ones as one."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, State, TaskModel
 from ..results import Setup
@@ -69,7 +69,7 @@ def _numbers(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
         known = [*names, *robot.joint_names]
         for name in q:
             if name not in known:
-                raise InputError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
+                raise UnknownNameError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
         given = {name: float(value) for name, value in q.items() if name in robot.joint_names}
         values = _synergies(robot, given) | {name: float(value) for name, value in q.items()}
         if missing := [name for name in names if name not in values]:

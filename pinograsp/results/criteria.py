@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from ..units import shown_in
 from .grasp import Grasp
 
@@ -163,7 +163,8 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         further: names that the caller knows besides, for the remedy.
 
     Raises:
-        InputError: there is none of this name, or it is no name.
+        UnknownNameError: there is none of this name.
+        InputError: it is no name.
     """
     if not isinstance(name, str):
         raise InputError(f"the name of a criterion is wanted, not {name!r}")
@@ -173,7 +174,9 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
     figures = {figure.name: figure for grasp in grasps for figure in grasp.certificate.figures}
     if name not in figures:
         names = sorted({*further, *BY_NAME, *ALIASES, *figures})
-        raise InputError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
+        raise UnknownNameError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
     figure = figures[name]
     better: Literal["least", "most"] = "most" if figure.sense == "at least" else "least"
-    return Criterion(name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit)
+    return Criterion(
+        name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit, heading=name, format=".3g"
+    )

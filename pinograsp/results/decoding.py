@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene
-from ..descriptions.files import FileRoot, dotted
+from ..descriptions.model import FileRoot
+from ..descriptions.problems import dotted
 from ..verification.certificate import Certificate, Figure
 from .grasp import Contact, Cost, Grasp
 from .result import Blocked, Result

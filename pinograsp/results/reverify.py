@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
 from ..frozen import Record
+from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
 from .grasp import Cost, Grasp
@@ -36,12 +37,12 @@ class Difference(Record):
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
-    """Its value in the result; None: nothing is stated."""
+    """Number or word in the result; None: nothing."""
     recomputed: Any
-    """The value that follows from the rest; None: nothing does."""
+    """The same as it follows from the rest; None: nothing."""
 
 
-def verify(result: Result, progress: Callable[[int], None] | None = None) -> tuple[Difference, ...]:
+def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:
     """Recompute every certificate of a result, and what else follows from joints, contact points and forces.
 
     Nothing but the result is used, and the URDF and the meshes that its robot names. Of a result that was read from a
@@ -55,7 +56,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
 
     Args:
         result: from `plan` or `read_json`.
-        progress: called after every grasp with the number of those that are done.
+        progress: called after every grasp.
 
     Returns:
         All differences; none if everything stands.
@@ -68,8 +69,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
     verifier = Verifier(setup.robot, setup.scene, setup.task)
     for number, grasp in enumerate(result.grasps, 1):
         found += _of_grasp(number, grasp, setup, verifier)
-        if progress:
-            progress(number)
+        progress(Progress("certificates", number, len(result.grasps)))
     return tuple(found)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..descriptions import RobotDescription, Scene
-from ..descriptions.files import FileRoot
+from ..descriptions.model import FileRoot
 from ..frozen import Record
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene, robot_for
-from ..errors import InputError, close_names
+from ..errors import InputError, TaskError, UnknownNameError, close_names
 from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
@@ -41,7 +41,9 @@ class Verifier:
         task_name: a task of the scene.
 
     Raises:
-        InputError: a file is missing or cannot be read, or there is no such task.
+        FileError: a file is missing or cannot be read.
+        UnknownNameError: there is no such task, or a joint, link or pad that is named.
+        TaskError: it asks for an acceleration without a mass.
     """
 
     def __init__(self, robot: RobotDescription, scene: Scene, task_name: str) -> None:
@@ -58,7 +60,7 @@ class Verifier:
         self._mass = mass_of(body, self._task)
         if self._task.withstand is not None and self._mass is None:
             key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
-            raise InputError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
+            raise TaskError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
@@ -211,9 +213,9 @@ class Verifier:
         if self._task.approach is not None:
             pose = poses[self._robot.arm.wrist]
             figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._robot.arm.wrist))
-        if self._task.joint_ranges:
+        if self._task.intervals:
             positions = {**self._robot.synergies.values(claim.joints), **claim.joints}
-            figures.append(ranges_figure(self._task.joint_ranges, positions, self._robot.endless))
+            figures.append(ranges_figure(self._task.intervals, positions, self._robot.endless))
         return figures
 
     def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
@@ -286,9 +288,9 @@ def _unknown(figures: Sequence[Figure]) -> tuple[Figure, ...]:
 
 
 def _require_ranges_known(scene: Scene, task_name: str, kinematics: Kinematics, synergies: Synergies) -> None:
-    """Refuse a task with ranges of joints that the URDF does not have, and that are no synergies."""
+    """Refuse a task with ranges or locks of joints that the URDF does not have, and that are no synergies."""
     joints = {*(joint.name for joint in kinematics.joints), *synergies.names}
-    for name in scene.task(task_name).joint_ranges:
+    for where, name, _, _ in scene.task(task_name).intervals:
         if name not in joints:
-            key, remedy = f"tasks.{task_name}.joint_ranges.{name}", close_names(name, sorted(joints))
-            raise InputError(f"the URDF has no movable joint {name!r}", file=scene.source, key=key, remedy=remedy)
+            key, remedy = f"tasks.{task_name}.{where}.{name}", close_names(name, sorted(joints))
+            raise UnknownNameError(f"the URDF has no movable joint {name!r}", file=scene.source, key=key, remedy=remedy)

@@ -18,7 +18,7 @@ import yourdfpy
 
 from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
-from ..errors import InputError
+from ..errors import FileError, InputError
 
 Poses = dict[str, Array]
 """Link name to T_world_link, shape (4, 4)."""
@@ -59,7 +59,7 @@ def parsed(urdf: RobotUrdf, file: Path) -> Any:
     try:
         return yourdfpy.URDF.load(io.BytesIO(urdf.xml.encode()), build_scene_graph=False, load_meshes=False)
     except (OSError, SyntaxError, ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(f"cannot be read as URDF: {error}", file=file) from None
+        raise FileError(f"cannot be read as URDF: {error}", file=file) from None
 
 
 class Kinematics:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..disk import write_whole
-from ..errors import InputError
+from ..disk import as_path, write_whole
+from ..errors import InputError, require_kind
 from ..results.configuration_check import ConfigurationCheck
 from ..results.grasp import Grasp
 from ..results.ranking import SCORE
@@ -73,7 +73,7 @@ def write_html(
     grasp, setup = _drawable(grasp, by)
     recorder = Recorder()
     _draw(grasp, setup, Visualizer(window=recorder))
-    write_whole(Path(file), grasp_page(recorder.commands, grasp, setup, caption, listed))
+    write_whole(as_path("file", file), grasp_page(recorder.commands, grasp, setup, caption, listed))
 
 
 def _listed(grasp: Grasp | Result | ConfigurationCheck, by: str) -> str:
@@ -85,6 +85,7 @@ def _listed(grasp: Grasp | Result | ConfigurationCheck, by: str) -> str:
 
 def _drawable(grasp: Grasp | Result | ConfigurationCheck, by: str = SCORE) -> tuple[Grasp, Setup]:
     """Return the grasp to draw, and where it belongs."""
+    require_kind("grasp", grasp, Grasp, Result, ConfigurationCheck)
     if isinstance(grasp, Result):
         chosen = next(iter(grasp.ranked(by)), None)
         if chosen is None:
