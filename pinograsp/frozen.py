@@ -177,7 +177,7 @@ def brief(value: Any) -> str:
     if isinstance(value, np.ndarray):
         if value.size > _BRIEF:
             return f"<array of shape {value.shape}>"
-        return np.array2string(value, precision=4, separator=", ").replace("\n", "")
+        return np.array2string(value, precision=4, suppress_small=True, separator=", ").replace("\n", "")
     if isinstance(value, FrozenMapping) and len(value) > _BRIEF:
         return f"{{{len(value)} entries}}"
     if isinstance(value, FrozenMapping):

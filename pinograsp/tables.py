@@ -12,6 +12,8 @@ from rich.text import Text
 
 NARROWEST = 12
 """Columns of words get at least so many characters."""
+GAP = 2
+"""Characters between two columns."""
 
 
 def new_table(title: str = "", *, headings: bool = True) -> Table:
@@ -54,7 +56,7 @@ def drawn(table: Table, width: int, *, color: bool = False) -> str:
         color: whether styles are written as the terminal's control codes.
     """
     console = Console(file=io.StringIO(), width=10_000, highlight=False)
-    least = sum(_least(column, console) for column in table.columns) + len(table.columns) - 1
+    least = sum(_least(column, console) for column in table.columns) + GAP * (len(table.columns) - 1)
     console = Console(
         file=io.StringIO(),
         width=max(width, least),

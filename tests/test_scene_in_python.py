@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -475,3 +476,13 @@ def test_a_strict_script_passes_without_a_plugin(tmp_path: Path) -> None:
     first = SCRIPT.count("\n") + 1
     for line, words in enumerate(WRONG.values(), first):
         assert any(f"wrong.py:{line}:" in text and words in text for text in bad.stdout.splitlines()), bad.stdout
+
+
+def test_a_notebook_shows_bodies_and_tasks() -> None:
+    scene = load_scene("glovebox_can").with_obstacle("lamp", Body(shape=Box(size=(0.1, 0.2, 0.3))))
+    html = scene._repr_html_()
+    text = re.sub(r"(<[^>]*>)+", "|", html)
+    assert "|Scene glovebox_can: enclosure from (0, -0.42, -0.237) to (1.1, 0.42, 0.363) m|" in text
+    assert "|can|object|cylinder, radius 0.0423, height 0.118|(0.997, 0.02, -0.178)|" in text
+    assert "|lamp|obstacle|box, size (0.1, 0.2, 0.3)|(0, 0, 0)|" in text
+    assert "|can_region|can|(0, 0, -2)|0.9|" in text

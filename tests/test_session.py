@@ -263,7 +263,7 @@ def test_a_check_as_json_has_the_attributes(planner: Planner, grasp: pinograsp.G
 def test_pads_are_where_joints_that_keep_to_no_synergy_have_them(
     planner: Planner, grasp: pinograsp.Grasp, gen3: Robot
 ) -> None:
-    tip = "robotiq_85_right_finger_tip_joint"
+    tip = "robotiq_85_mimic_right_finger_tip_joint"
     check = planner.check({**grasp.joints, tip: grasp.joints[tip] + 0.1}, "sphere")
     assert "mimic joints" in {figure.name for figure in check.certificate.refuted_by}
     left, right = (contact.T_world_pad for contact in check.grasp.contacts)

@@ -330,7 +330,7 @@ def test_at_most_ten_distances_are_listed(refuted, tmp_path):
     many = dataclasses.replace(refuted, clearances=refuted.clearances[1:] * 23)
     write_html(many, tmp_path / "a.html")
     page = (tmp_path / "a.html").read_text()
-    assert page.count("-12.0 mm") == 10
+    assert page.count("<small>forearm - &lt;wall&gt;</small>") == 10
     assert "Distances below 50 mm, the least 10 of 23" in page
 
 

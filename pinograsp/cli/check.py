@@ -63,12 +63,11 @@ def check(
     described, values = read_scene(scene, task, object_pose, lock), read_joints(joints)
     if out is not None:
         make_folder(out)
-    with (
-        terminal.progress() as progress,
-        pinograsp.Planner(read_robot(robot), described, workers=1, progress=progress) as planner,
-    ):
-        found = _checked(planner, values, task)
-        name = planner.robot.description.name
+    with terminal.progress() as progress:
+        model = read_robot(robot)
+        name = model.description.name
+        with pinograsp.Planner(model, described, workers=1, progress=progress) as planner:
+            found = _checked(planner, values, task)
     saved = [] if out is None else list(_saved(found, out, (described.name, task, name)))
     terminal.find(found.to_json, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
     for line in saved:

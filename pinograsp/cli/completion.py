@@ -39,7 +39,8 @@ def criteria(incomplete: str) -> list[str]:
 
 
 def _scene(context: typer.Context) -> pinograsp.Scene:
-    return pinograsp.load_scene(context.params["scene"])
+    # An option that waits for its value keeps arguments from being told apart: they are what is left over.
+    return pinograsp.load_scene(context.params.get("scene") or context.args[0])
 
 
 def _files(incomplete: str, suffix: str) -> list[str]:

@@ -77,22 +77,23 @@ def build(
     if not 1 <= size <= 1e10:
         raise pinograsp.InputError("must be between 1 and 1e10", key="--size")
     described = pinograsp.load_scene(scene)
+    margins = pinograsp.Margins(enclosure=margin, robot=margin)
     try:
-        with (
-            terminal.progress() as progress,
-            pinograsp.build_database(
-                read_robot(robot),
+        with terminal.progress() as progress:
+            model = read_robot(robot)
+            built = pinograsp.build_database(
+                model,
                 described,
                 file,
                 size=int(size),
                 seed=seed,
-                margins=pinograsp.Margins(enclosure=margin, robot=margin),
+                margins=margins,
                 spread=spread,
                 workers=workers,
                 progress=progress,
-            ) as built,
-        ):
-            facts = built.info()
+            )
+            with built:
+                facts = built.info()
     except KeyboardInterrupt:
         fail(f"interrupted; the same command goes on where {file} ends")
         raise typer.Exit(INTERRUPTED) from None
@@ -238,12 +239,12 @@ def _document(found: Configurations, names: list[str]) -> dict[str, Any]:
 def configurations_table(found: Configurations, names: list[str], width: int) -> Table:
     """Return a table of configurations; angles for which a line has no room follow in the next one."""
     from ..results.table import angle_lines
-    from ..tables import new_table, numbers
+    from ..tables import GAP, new_table, numbers
 
     table = new_table(f"{len(found)} configurations; arm joints {', '.join(names)}")
     numbers(table, "wrist\nmm", "approach\n", "clear\nmm")
     table.add_column(" arm joints\n °", no_wrap=True)
-    taken = 17 + 18 + 6
+    taken = 17 + 17 + 5 + 3 * GAP
     rows = zip(found.q, found.positions, found.approaches, found.clearances, strict=True)
     for q, position, approach, clearance in rows:
         table.add_row(

@@ -75,8 +75,9 @@ def plan(
     assert options.budget  # refuses a solver that there is not
     make_folder(out)
     with terminal.progress() as progress:
+        model = read_robot(robot)
         result = pinograsp.plan(
-            read_robot(robot),
+            model,
             described,
             task,
             starts=starts,

@@ -56,7 +56,9 @@ def _bar() -> Iterator[Report]:
     from rich.progress import Progress as Bar
 
     columns = (TextColumn("{task.description}"), BarColumn(bar_width=None), TimeRemainingColumn())
-    with Bar(*columns, console=Console(file=sys.stderr), transient=True, auto_refresh=False, expand=True) as bar:
+    with Bar(
+        *columns, console=Console(file=sys.stderr, force_terminal=True), transient=True, auto_refresh=False, expand=True
+    ) as bar:
         row, stage, shown = bar.add_task("preparing", total=None), "", -REFRESHED
         bar.refresh()
 

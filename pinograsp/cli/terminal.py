@@ -69,8 +69,9 @@ class Terminal:
 
 
 def fail(line: str) -> None:
-    """Write the line of an error."""
-    _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
+    """Write the line of an error, where there is anything to write it to."""
+    with contextlib.suppress(FileError):
+        _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
 
 
 @contextmanager
@@ -99,7 +100,8 @@ def _write(text: str, error: bool = False) -> None:
         with _unread(stream):
             typer.echo(text, file=stream)
     except OSError as problem:
-        raise FileError(f"cannot be written: {reason_of(problem)}", key=stream.name) from None
+        name = "standard error" if error else "standard output"
+        raise FileError(f"cannot be written: {reason_of(problem)}", key=name) from None
 
 
 @contextmanager

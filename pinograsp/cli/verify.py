@@ -50,7 +50,8 @@ def verify(
 def _report(count: int, found: Sequence[pinograsp.Difference], terminal: Terminal) -> None:
     for difference in found:
         whose = "result" if difference.grasp is None else f"grasp {difference.grasp}"
-        stated, recomputed = json.dumps(difference.stated), json.dumps(difference.recomputed)
+        data = difference.to_json()
+        stated, recomputed = json.dumps(data["stated"]), json.dumps(data["recomputed"])
         terminal.say(f"{whose}: {difference.what}: {stated} stated, {recomputed} recomputed")
     grasps = f"{count} {'grasp' if count == 1 else 'grasps'} recomputed"
     if found:

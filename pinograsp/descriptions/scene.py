@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
+from .. import notebook
 from ..arrays import Array
 from ..disk import digest
 from ..errors import InputError, UnknownNameError, close_names
@@ -26,7 +27,7 @@ from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
 from .problems import INTERNAL, input_error
 from .regions import AllOf, Outside, Region
-from .shapes import Shape
+from .shapes import Shape, ShapeDescription
 from .values import (
     ABSENT,
     FileName,
@@ -233,7 +234,7 @@ class Task(Frozen):
 
     @cached_property
     def intervals(self) -> tuple[JointInterval, ...]:
-        """All that the task asks of joints: the ranges, then the locks as intervals of no width."""
+        """All that the task asks of joints: the ranges, then the locks as intervals of no width, rad (m)."""
         ranges = (JointInterval("joint_ranges", name, *ends) for name, ends in self.joint_ranges.items())
         locks = (JointInterval("lock", name, value, value) for name, value in self.lock.items())
         return (*ranges, *locks)
@@ -279,6 +280,22 @@ class Scene(FileRoot):
             content = json.dumps(self.to_dict(), sort_keys=True)
             self.__dict__["digest"] = digest(content.encode())
         return self
+
+    def _repr_html_(self) -> str:
+        """Return the bodies and the tasks as tables, as a notebook shows them."""
+        low, high = (_in_brackets(corner) for corner in (self.enclosure.min, self.enclosure.max))
+        bodies = [
+            notebook.row((name, role, _shown(body.shape), _in_brackets(body.pose.position)))
+            for role, named in (("object", self.objects), ("obstacle", self.obstacles))
+            for name, body in named.items()
+        ]
+        tasks = [
+            notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
+            for name, task in self.tasks.items()
+        ]
+        caption = f"Scene {self.name}: enclosure from {low} to {high} m"
+        listed = notebook.table(caption, bodies, ("body", "role", "shape, m", "position, m"))
+        return listed + notebook.table("Tasks", tasks, ("task", "object", "external force, N", "friction"))
 
     def __eq__(self, other: object) -> bool:
         """Whether another scene says the same."""
@@ -332,6 +349,10 @@ class Scene(FileRoot):
     def with_object(self, name: str, object: Object) -> Self:
         """Return the scene with an object more, or with another one of a name.
 
+        Args:
+            name: of the object.
+            object: as it is from now on.
+
         Raises:
             InputError: an obstacle has this name, or it is no object.
         """
@@ -339,6 +360,10 @@ class Scene(FileRoot):
 
     def with_obstacle(self, name: str, body: Body) -> Self:
         """Return the scene with an obstacle more, or with another one of a name.
+
+        Args:
+            name: of the obstacle.
+            body: as it is from now on.
 
         Raises:
             InputError: an object has this name, or it is no body.
@@ -401,3 +426,13 @@ def load_scene(name: str | Path) -> Scene:
         InputError: a key or value is wrong; the message names file, line and key.
     """
     return read_file(locate.scene_file(name), Scene)
+
+
+def _in_brackets(numbers: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{number:g}" for number in numbers) + ")"
+
+
+def _shown(shape: ShapeDescription) -> str:
+    sizes = shape.model_dump(exclude={"type"}).items()
+    shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
+    return ", ".join([shape.type, *shown])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -37,9 +37,9 @@ class Difference(Record):
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
-    """What the result says; None: nothing."""
+    """Number or word in the result; None: nothing."""
     recomputed: Any
-    """What follows from the rest; None: nothing."""
+    """The same as it follows from the rest; None: nothing."""
 
 
 def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:
@@ -166,7 +166,7 @@ def _desired_points(setup: Setup, stated: Array) -> Array:
 
 def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the numbers and words in JSON data by key path, `certificate.figures.friction.value`."""
-    if isinstance(data, dict):
+    if isinstance(data, Mapping):
         parts = data.items()
     elif isinstance(data, list):
         parts = _labelled(data).items()

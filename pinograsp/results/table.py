@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from rich.markup import escape
 from rich.table import Table
 
-from ..tables import new_table, numbers, words
+from ..tables import GAP, new_table, numbers, words
 from ..verification.certificate import Figure, PairClearance
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Contact, Grasp
@@ -68,7 +68,7 @@ def list_table(
     table = new_table(title)
     numbers(table, *headings)
     table.add_column(" arm joints\n °", no_wrap=True)
-    taken = sum(max(map(_width, column)) + 1 for column in zip(headings, *rows, strict=True))
+    taken = sum(max(map(_width, column)) + GAP for column in zip(headings, *rows, strict=True))
     for (grasp, _), row in zip(shown, rows, strict=True):
         table.add_row(*row, angle_lines(grasp.q_arm, width - taken))
     return table
@@ -100,13 +100,16 @@ def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
 
 
 def clearances_table(clearances: Iterable[PairClearance], title: str = "") -> Table:
-    """Return a table of the distances of links to each other and to what stands around them, in mm."""
+    """Return a table of the distances of links to each other and to what stands around them, in mm.
+
+    The kinds of clearances go by their first word, `self` for `self clearance`.
+    """
     table = new_table(title)
     numbers(table, "mm")
     words(table, "between", "kind")
     for pair in clearances:
         distance = f"{1e3 * pair.distance:z.1f}" if math.isfinite(pair.distance) else "overlap"
-        table.add_row(distance, f"{escape(pair.link)} / {escape(pair.other)}", pair.name)
+        table.add_row(distance, f"{escape(pair.link)} / {escape(pair.other)}", pair.name.removesuffix(" clearance"))
     return table
 
 

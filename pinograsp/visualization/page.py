@@ -112,8 +112,8 @@ def _costs(grasp: Grasp) -> str:
 
 def _contact(contact: Contact) -> str:
     force = contact.force
-    components = ", ".join(f"{component:.2f}" for component in force)
-    spin = f", spin {1000 * contact.spin_torque:.1f} N mm" if contact.spin_torque else ""
+    components = ", ".join(f"{component:z.2f}" for component in force)
+    spin = f", spin {1000 * contact.spin_torque:z.1f} N mm" if contact.spin_torque else ""
     return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
 
 
