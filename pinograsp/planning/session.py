@@ -25,7 +25,6 @@ from ..results import Grasp, Result, Setup
 from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
 from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
 from .bound import least_U
-from .grading import all_graded, graded
 from .outcomes import Progress, Run
 from .own_configuration import Configuration, ConfigurationCheck, checked
 
@@ -142,11 +141,8 @@ class Planner:
                         progress(run.progress(len(postures)))
         except KeyboardInterrupt:
             run.interrupted = True
-        searched = time.perf_counter()
-        grasps, whole = all_graded(run.distinct(), model, self._workers)
-        run.interrupted |= not whole
-        run.times |= {"resistance": time.perf_counter() - searched, "total": time.perf_counter() - began}
-        return run.result(grasps)
+        run.times["total"] = time.perf_counter() - began
+        return run.result()
 
     def grasps(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Iterator[Grasp]:
         """Yield verified grasps as they come, in this process, from the starts whose hand is nearest to the object.
@@ -183,7 +179,7 @@ class Planner:
             if grasp is None:
                 continue
             found += 1
-            yield replace(graded(grasp, verifier), setup=setup)
+            yield replace(grasp, setup=setup)
             if found == most or bound >= grasp.cost.U:
                 return
 
