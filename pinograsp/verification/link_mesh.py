@@ -15,6 +15,7 @@ from zipfile import BadZipFile
 import coal
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
 
 from ..arrays import Array
 from ..disk import cache_folder, digest, write_whole
@@ -52,6 +53,18 @@ class LinkMesh:
     def solid(self) -> Any:
         """Coal's tree of the triangles; made when a distance is first measured."""
         return _tree(self.vertices, self.faces)
+
+    @cached_property
+    def hull_solid(self) -> Any | None:
+        """Coal's convex hull; None where Qhull or Coal makes none: flat, or a corner with hundreds of neighbours."""
+        corners, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+        try:
+            for triangle in ConvexHull(self.hull).simplices.tolist():
+                triangles.append(coal.Triangle(*triangle))
+            corners.extend(self.hull)
+            return coal.Convex(corners, triangles)
+        except (QhullError, RuntimeError):
+            return None
 
     def surrounds(self, points: Array) -> bool:
         """Whether one of the points, shape (n, 3), link frame, lies in what the mesh encloses.
