@@ -1,4 +1,4 @@
-"""What may be wrong about a grasp in the world, and how it is drawn.
+"""Errors of a grasp in the world, and how they are drawn.
 
 Vectors (position, orientation, centre of mass) are uniform in a ball, joints and the two factors uniform in an
 interval; all are independent of each other.

@@ -1,4 +1,4 @@
-"""What a database belongs to: a robot, an enclosure and margins; nothing of objects or tasks."""
+"""The owner of a database: a robot, an enclosure and margins; nothing of objects or tasks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MEANING = {
     "enclosure": "walls, mounting pose and fixed obstacles",
     "margins": "least distances that the configurations keep",
 }
-"""What each part's hash is taken of."""
+"""Content of each part's hash."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Identity:
 
     @classmethod
     def from_json(cls, text: str) -> Identity:
-        """Read what `to_json` wrote."""
+        """Return the identity that `to_json` wrote."""
         data = json.loads(text)
         return cls(data["robot"], data["enclosure"], data["margins"])
 

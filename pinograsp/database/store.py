@@ -118,7 +118,7 @@ class Database:
 
     @property
     def identity(self) -> Identity:
-        """What the database belongs to."""
+        """Robot, enclosure and margins that the database belongs to."""
         rows = self.connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
         return Identity.from_json(rows[0][0])
 

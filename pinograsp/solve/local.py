@@ -17,7 +17,7 @@ from .projection import Projection, initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-"""What a start came to. With the constraints kept at the best point: the solver stopped by itself, or did not. With
+"""Outcome of a start. With the constraints kept at the best point: the solver stopped by itself, or did not. With
 some violated there: the solver stopped by itself, its budget ended, or it raised an error."""
 
 
@@ -36,7 +36,7 @@ class SolverOptions:
     cost_tolerance: float = 1e-6
     """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
     projection: Projection = "contacts and clearance"
-    """What a start is projected on before the solve."""
+    """Target of the projection before the solve."""
 
     @property
     def budget(self) -> int:
@@ -130,7 +130,7 @@ class LocalSolver:
 
 
 def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:
-    """Return what a start came to.
+    """Return the outcome of a start.
 
     Args:
         index: number of the start.

@@ -1,4 +1,4 @@
-"""What wrenches a set of contacts balances: second-order cone programs on plain arrays.
+"""Wrenches that a set of contacts balances: second-order cone programs on plain arrays.
 
 Point j of the footprint of contact i transmits a force f_j and, for a soft finger, a spin torque m_j about the pad's
 outward normal n. With f_n = n . f_j, f_t the rest of f_j, e the torsional friction radius and F_i the sum of the f_j of
@@ -52,7 +52,7 @@ _IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.Alm
 
 @dataclass(frozen=True)
 class Limits:
-    """What contact forces keep to."""
+    """Limits of contact forces."""
 
     friction: float
     """mu."""
@@ -147,7 +147,7 @@ class BalanceProblem:
         return found
 
     def margin(self, wrench: Array) -> float:
-        """Return what is left in every inequality when the wrench is balanced, N; negative if it cannot be.
+        """Return the slack left in every inequality when the wrench is balanced, N; negative if it cannot be.
 
         It is infinite where friction locks the fingers, and not a number where the solver fails.
 
@@ -247,7 +247,7 @@ class _Cones:
 
 
 def _first_found(solve: Callable[[float], Array]) -> Array:
-    """Return what is solved for the wrench, or for one next to it where the solver gives up.
+    """Return the solution for the wrench, or for one next to it where the solver gives up.
 
     It is not a number where the solver always does.
 

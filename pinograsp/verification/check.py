@@ -95,7 +95,7 @@ class Verifier:
         return Certificate(tuple(self._figures(claim)))
 
     def hold(self, claim: Claim) -> Hold:
-        """Return what wrenches the contacts of a claim balance while the hand squeezes as planned.
+        """Return the wrenches that the contacts of a claim balance while the hand squeezes as planned.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.

@@ -123,7 +123,7 @@ _KEPT = tuple(field.name for field in fields(LinkMesh) if field.name != "link")
 
 
 def _load(file: Path, link: str) -> LinkMesh | None:
-    """Return what a file holds, or None if it is not there or of no use."""
+    """Return the content of a file, or None if it is not there or of no use."""
     try:
         with file.open("rb") as stream, np.load(stream) as data:
             arrays = {name: data[name] for name in _KEPT if name != "hull_faces"}
