@@ -11,11 +11,20 @@ from .errors import InputError
 
 
 def cache_folder() -> Path:
-    """Return the cache folder: PINOGRASP_CACHE, or pinograsp below XDG_CACHE_HOME or ~/.cache."""
+    """Return the cache folder: PINOGRASP_CACHE, or pinograsp below XDG_CACHE_HOME or ~/.cache.
+
+    Raises:
+        InputError: none of them is known: the user has no home folder.
+    """
     if own := os.environ.get("PINOGRASP_CACHE"):
         return Path(own)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "pinograsp"
+    if base := os.environ.get("XDG_CACHE_HOME"):
+        return Path(base) / "pinograsp"
+    try:
+        return Path.home() / ".cache" / "pinograsp"
+    except RuntimeError:
+        problem, remedy = "there is no home folder for the cache", "Set PINOGRASP_CACHE to a folder that can be written"
+        raise InputError(problem, remedy=remedy) from None
 
 
 def write_whole(file: Path, content: str | bytes) -> None:

@@ -15,7 +15,8 @@ from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.descriptions import Scene
 from pinograsp.kinematics.hand_posture import preshape
 from pinograsp.problem import GraspProblem, State, TaskModel
-from pinograsp.solve.projection import Projection, initial_guesses, nearest_assignment
+from pinograsp.solve.options import Projection
+from pinograsp.solve.projection import initial_guesses, nearest_assignment
 
 
 def changed(scene: Scene, section: str, name: str = "sphere", **keys: Any) -> Scene:

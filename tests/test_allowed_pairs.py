@@ -12,7 +12,7 @@ from conftest import TOY_ROBOT, TOY_URDF, RobotFactory, collision_model
 from pinograsp import Robot
 from pinograsp.collision.allowed_pairs import allowed_pairs
 from pinograsp.descriptions import RobotDescription, Scene
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 MARGIN = 0.005
 Pairs = set[frozenset[str]]

@@ -19,14 +19,16 @@ import pinograsp
 from pinograsp import Errors, InputError, assess, cli
 from pinograsp.assessment.closing import Closing, moved
 from pinograsp.assessment.errors import draws
-from pinograsp.assessment.judge import LOST, OFF_PAD, SLIPS, TOUCHES, Judge
+from pinograsp.assessment.judge import Judge
 from pinograsp.assessment.margins import KINDS, margin_of
 from pinograsp.assessment.outcome import wilson
+from pinograsp.assessment.verdict import LOST, OFF_PAD, SLIPS, TOUCHES
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.robot import Robot
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup, write_json
-from pinograsp.verification import Certificate, Verifier
+from pinograsp.verification import Certificate
 from pinograsp.verification.balance import BalanceProblem
+from pinograsp.verification.check import Verifier
 
 RADIUS, SQUEEZE, WEIGHT, FRICTION, TORSION = 0.025, 3.0, 2.0, 0.9, 0.005
 OPENING = (2 * RADIUS - 0.002) / 2.25

@@ -7,9 +7,9 @@ import pytest
 
 from pinograsp import InputError, SolverOptions
 from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.solve import LocalSolver
 from pinograsp.solve.backends import BACKENDS, BudgetSpentError, Limits, Program, Stop
 from pinograsp.solve.backends.nlopt import NLopt
+from pinograsp.solve.local import LocalSolver
 from pinograsp.solve.recorder import Recorder, program_from
 
 LIMITS = Limits(evaluations=2000, violation=1e-9, cost_change=1e-12)

@@ -27,7 +27,7 @@ from pinograsp.kinematics.forward import Configuration, forward
 from pinograsp.kinematics.hand_posture import widest_jaw
 from pinograsp.kinematics.robot import SLIDE_STEP, SLIP_STEP, TURN_STEP
 from pinograsp.results.provenance import provenance
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.kinematics import Kinematics, parsed
 
 BOX = '<geometry><box size="0.04 0.04 0.04"/></geometry>'

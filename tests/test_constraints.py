@@ -17,6 +17,7 @@ from pinograsp.collision.distances import REACH
 from pinograsp.collision.scene_world import MARGIN_EXCESS
 from pinograsp.descriptions import Scene
 from pinograsp.kinematics.robot import Robot
+from pinograsp.planning.assemble import claim_of
 from pinograsp.problem import CONSTRAINTS, COSTS, Constraint, Cost, GraspProblem, Inside, Residual, State, TaskModel
 from pinograsp.problem.constraint import PER_METRE, Kind, Projected, Violation
 from pinograsp.problem.constraints.clearance import NEAR, SMOOTHING, Clearance, bend
@@ -24,9 +25,8 @@ from pinograsp.problem.constraints.contact_forces import ContactForces
 from pinograsp.problem.constraints.pad_tangency import PadTangency
 from pinograsp.problem.constraints.wrench_balance import UNBALANCED, WrenchBalance
 from pinograsp.problem.costs.force_cost import saturated
-from pinograsp.results import claim_of
 from pinograsp.solve.projection import nearest_assignment
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from test_verification import OPENING, ROOM, Case, configuration, measure, names
 from pinograsp.descriptions import Scene, load_robot_description, load_scene
 from pinograsp.descriptions.patches import Patch
 from pinograsp.descriptions.robot import RobotDescription
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.robot import read_robot
 from pinograsp.verification.shapes import PENETRATION

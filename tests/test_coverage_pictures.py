@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pinograsp.database import Coverage
-from pinograsp.database.coverage import SECTORS
+from pinograsp.database.coverage import SECTORS, Coverage
 from pinograsp.errors import InputError
 from pinograsp.visualization import coverage, coverage_html, coverage_png
 from pinograsp.visualization.viewer import Recorder, Visualizer

@@ -44,7 +44,7 @@ from pinograsp.kinematics.collision_elements import collision_elements
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import TaskModel
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 TOLERANCE = 0.004
 

@@ -21,15 +21,20 @@ from pinograsp.cli import main
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.world import CLEARANCES
-from pinograsp.database import Cone, Coverage, Database, build_database, cached_database, region, spread_selection
 from pinograsp.database import cache as cache_module
+from pinograsp.database.build import build_database
+from pinograsp.database.cache import cached_database
+from pinograsp.database.coverage import Coverage
 from pinograsp.database.lock import building
+from pinograsp.database.query import configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
+from pinograsp.database.store import Database
 from pinograsp.descriptions.scene import Enclosure, Margins
 from pinograsp.errors import InputError
+from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 SIZE = 9_000
 """Two batches."""
@@ -176,11 +181,11 @@ def test_region_is_what_a_filter_of_all_rows_gives(small: Path, extent: Any, con
         angles = rows[name.replace("joint_", "q")]
         inside &= np.any([(angles >= low) & (angles <= high) for low, high in intervals], axis=0)
     with Database.open(small) as database:
-        found = region(database, center, extent, cone=cone, joints=joints)
-        chosen = spread_selection(database, center, extent, 20, cone=cone, joints=joints)
-        again = spread_selection(database, center, extent, 20, cone=cone, joints=joints)
-        other = spread_selection(database, center, extent, 20, cone=cone, joints=joints, seed=5)
-        everyone = spread_selection(database, center, extent, 10**5, cone=cone, joints=joints)
+        found = configurations_near(database, center, extent, cone=cone, joints=joints)
+        chosen = spread_configurations(database, center, extent, 20, cone=cone, joints=joints)
+        again = spread_configurations(database, center, extent, 20, cone=cone, joints=joints)
+        other = spread_configurations(database, center, extent, 20, cone=cone, joints=joints, seed=5)
+        everyone = spread_configurations(database, center, extent, 10**5, cone=cone, joints=joints)
     assert inside.sum() > 40
     assert set(found.samples) == set(rows["sample"][inside]) == set(everyone.samples)
     assert len(chosen) == len(set(chosen.samples)) == 20
@@ -193,8 +198,8 @@ def test_selection_spreads(small: Path) -> None:
     """Neighbours on the curve are near each other; a spread selection is not."""
     center = np.array([0.6, 0.0, 0.0])
     with Database.open(small) as database:
-        near = region(database, center, 0.3, limit=100)
-        spread = spread_selection(database, center, 0.3, 100)
+        near = configurations_near(database, center, 0.3, limit=100)
+        spread = spread_configurations(database, center, 0.3, 100)
     assert np.prod(spread.positions.std(axis=0)) > 2 * np.prod(near.positions.std(axis=0))
     assert (spread.approaches.std(axis=0) > 0.35).all()
 

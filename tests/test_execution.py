@@ -22,11 +22,11 @@ from pinograsp.errors import InputError, WorkerLostError
 from pinograsp.execution import GivenExecutor, Packed, Processes, ThisProcess, Workers, own_workers
 from pinograsp.execution.distribute import HOPELESS
 from pinograsp.execution.packed import KEPT
-from pinograsp.planning import plan
 from pinograsp.planning.attempt import Attempt, attempts_of
+from pinograsp.planning.one_shot import plan
 from pinograsp.problem import TaskModel
 from pinograsp.results.encoding import encode_grasp
-from pinograsp.solve import LocalSolver
+from pinograsp.solve.local import LocalSolver
 
 ITEMS = list(range(40))
 SQUARES = [item**2 for item in ITEMS]

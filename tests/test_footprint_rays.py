@@ -29,7 +29,7 @@ from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, State, TaskModel
 from pinograsp.problem.footprint import rays
 from pinograsp.solve.projection import nearest_assignment
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.footprint import footprint
 from pinograsp.verification.patches import contact_face, rim_distance
 from pinograsp.verification.shapes import GEOMETRY

@@ -21,8 +21,11 @@ from PIL import Image
 import pinograsp
 from pinograsp import HoldOptions, HoldOutcome, InputError, cli, hold_test
 from pinograsp.descriptions import Scene
-from pinograsp.hold import HandAndObject, Simulation, film, write_film, write_mjcf
-from pinograsp.hold.mjcf import BEHIND, OBJECT
+from pinograsp.hold import film
+from pinograsp.hold.film import write_film
+from pinograsp.hold.mjcf import BEHIND, OBJECT, HandAndObject
+from pinograsp.hold.simulation import Simulation
+from pinograsp.hold.write import write_mjcf
 from pinograsp.kinematics.robot import Robot
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup
 from pinograsp.verification import Certificate, Figure

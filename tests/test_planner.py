@@ -16,7 +16,8 @@ from pinograsp import InputError, Progress, Result, Robot, SolverOptions, build_
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import Scene
 from pinograsp.problem import TaskModel
-from pinograsp.verification import Certificate, Claim, Verifier
+from pinograsp.verification import Certificate, Claim
+from pinograsp.verification.check import Verifier
 
 STARTS = 40
 

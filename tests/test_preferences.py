@@ -14,15 +14,17 @@ import yaml
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
 from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
-from pinograsp.database import Database, build_database
+from pinograsp.database.build import build_database
+from pinograsp.database.store import Database
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.scene import ApproachCone, Pose
 from pinograsp.problem import GraspProblem, TaskModel, Violation
 from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp
-from pinograsp.solve import LocalSolver, starts_near
-from pinograsp.solve.starts import RANGE_SLACK
-from pinograsp.verification import Certificate, Claim, Verifier
+from pinograsp.solve.local import LocalSolver
+from pinograsp.solve.starts import RANGE_SLACK, starts_near
+from pinograsp.verification import Certificate, Claim
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.preferences import approach_figure, ranges_figure
 
 STARTS = 20

@@ -22,7 +22,8 @@ from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.reach import arm_reach
 from pinograsp.problem import GraspProblem, TaskModel, check_task
 from pinograsp.solve.projection import initial_guesses
-from pinograsp.verification import Claim, Verifier
+from pinograsp.verification import Claim
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.regions import depth
 from pinograsp.verification.shapes import GEOMETRY
 

@@ -14,8 +14,9 @@ from test_verification import FINGERS, OPENING, ROOM, Case, names, scene_with
 
 from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.errors import InputError
-from pinograsp.verification import Figure, Verifier, balance
+from pinograsp.verification import Figure, balance
 from pinograsp.verification.balance import SHARE, BalanceProblem, ContactPoints, Limits
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.jacobians import rate_of_twist
 from pinograsp.verification.resistance import MOST, Hold, resistance_figures
 

@@ -19,8 +19,9 @@ from rich.table import Table
 
 from pinograsp import InputError, Result, Robot, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
-from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, grasp_table, merge, outcome_lines
+from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, merge
 from pinograsp.results.provenance import provenance
+from pinograsp.results.table import grasp_table, outcome_lines
 from pinograsp.verification import Certificate, Figure
 
 

@@ -21,8 +21,10 @@ from pinograsp.descriptions.robot_files import hashes_of
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.mechanics import ContactModels, ForceLimits
 from pinograsp.mechanics.barrier import barrier
-from pinograsp.results import provenance, reverify
-from pinograsp.verification import Certificate, Claim, Figure, Verifier
+from pinograsp.results import reverify
+from pinograsp.results.provenance import provenance
+from pinograsp.verification import Certificate, Claim, Figure
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.force_cost import force_cost
 
 Keys = tuple[str | int, ...]

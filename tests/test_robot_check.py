@@ -17,20 +17,20 @@ import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
 from pinograsp import Robot, cli
-from pinograsp.descriptions import load_robot_description, urdf
-from pinograsp.onboarding import Report, check_robot
+from pinograsp.descriptions import urdf
+from pinograsp.onboarding.check import RobotReport, check_robot
 from pinograsp.visualization.pads import surface
 from pinograsp.visualization.robot_page import write_robot_html
 
-Check = Callable[..., Report]
+Check = Callable[..., RobotReport]
 
 
 @pytest.fixture
 def check(tmp_path: Path) -> Check:
     """Return a function that checks the toy; `urdf` replaces texts of its URDF, other keywords replace keys."""
 
-    def check(urdf: dict[str, str] | None = None, **changes: Any) -> Report:
-        return check_robot(load_robot_description(write_toy(tmp_path, urdf or {}, **changes)))
+    def check(urdf: dict[str, str] | None = None, **changes: Any) -> RobotReport:
+        return check_robot(write_toy(tmp_path, urdf or {}, **changes))
 
     return check
 
@@ -51,7 +51,7 @@ def pads(left: dict[str, Any], **both: Any) -> list[dict[str, Any]]:
     return [{**first, "patch": {**first["patch"], **left}}, second]
 
 
-def said(report: Report, level: str) -> list[str]:
+def said(report: RobotReport, level: str) -> list[str]:
     return [finding.what for finding in report.findings if finding.level == level]
 
 
@@ -199,7 +199,7 @@ def test_the_urdf_is_read_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     read: list[str] = []
     parse = urdf.parse
     monkeypatch.setattr(urdf, "parse", lambda file, tag: (read.append(file.name), parse(file, tag))[1])
-    report = check_robot(load_robot_description(write_toy(tmp_path, {})))
+    report = check_robot(write_toy(tmp_path, {}))
     assert report.robot is not None
     write_robot_html(report.robot, [], tmp_path / "page.html")
     assert read == ["toy.urdf"]

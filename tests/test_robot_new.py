@@ -19,9 +19,9 @@ from pinograsp import InputError, cli
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import load_robot_description, urdf
 from pinograsp.kinematics.collision_elements import link_elements
-from pinograsp.onboarding import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.facets import facets_of
 from pinograsp.onboarding.link_meshes import link_meshes
+from pinograsp.onboarding.new import HandMount, new_robot_file, write_new
 from pinograsp.onboarding.rectangles import largest_rectangle
 
 DATA = "package://example-robot-data/robots"

@@ -29,13 +29,13 @@ from pinograsp.descriptions import Scene, load_robot_description, shipped_robots
 from pinograsp.descriptions.patches import SpherePatch
 from pinograsp.descriptions.shapes import Cylinder, Shape, Sphere
 from pinograsp.descriptions.urdf import read_urdf
-from pinograsp.onboarding import check_robot
+from pinograsp.onboarding.check import check_robot
 from pinograsp.onboarding.draft import TOOL_FRAMES
 from pinograsp.problem import GraspProblem, Residual, TaskModel, check_task
 from pinograsp.problem.constraints.clearance import Clearance
 from pinograsp.results import Contact, Grasp, Result
-from pinograsp.solve import starts_near
 from pinograsp.solve.projection import initial_guesses, nearest_assignment
+from pinograsp.solve.starts import starts_near
 
 STARTS = 12
 SLOW = pytest.mark.slow
@@ -469,7 +469,7 @@ def test_a_pad_that_the_hand_does_not_have() -> None:
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name == "panda" else SLOW) for name in ROBOTS])
 def test_robot_check_is_clean(name: str) -> None:
-    report = check_robot(load_robot_description(name))
+    report = check_robot(name)
     assert [finding for finding in report.findings if finding.level != "ok"] == []
     assert any("pads face each other" in finding.what for finding in report.findings)
 

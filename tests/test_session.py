@@ -27,10 +27,12 @@ from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, least_cost, least_cost_parallel
 from pinograsp.mechanics.barrier import barrier
+from pinograsp.planning.assemble import claim_of
 from pinograsp.planning.bound import least_U
 from pinograsp.problem import TaskModel
-from pinograsp.results import Result, claim_of
-from pinograsp.verification import Claim, Verifier
+from pinograsp.results import Result
+from pinograsp.verification import Claim
+from pinograsp.verification.check import Verifier
 
 THERE = Pose(position=(0.80, 0.06, -0.08), rpy=(0.0, 0.0, 0.4))
 LIMITS = ForceLimits(0.9, 0.001, 5.0, 0.01)

@@ -19,7 +19,8 @@ from pinograsp.descriptions import Scene, load_robot_description, load_scene
 from pinograsp.descriptions.robot import RobotDescription
 from pinograsp.descriptions.scene import Body
 from pinograsp.errors import InputError
-from pinograsp.verification import Certificate, Claim, Figure, Verifier
+from pinograsp.verification import Certificate, Claim, Figure
+from pinograsp.verification.check import Verifier
 from pinograsp.verification.clearance import Placed, self_figure, shape_figure
 from pinograsp.verification.contacts import Pads
 from pinograsp.verification.link_mesh import LinkMesh

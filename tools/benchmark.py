@@ -19,11 +19,13 @@ from typing import Any, get_args
 import numpy as np
 
 import pinograsp
-from pinograsp.database import Database, cached_database
+from pinograsp.database.cache import cached_database
+from pinograsp.database.store import Database
 from pinograsp.problem import TaskModel
-from pinograsp.results import outcome_lines
-from pinograsp.solve import LocalSolver, SolverOptions, starts_near
-from pinograsp.solve.projection import Projection
+from pinograsp.results.table import outcome_lines
+from pinograsp.solve.local import LocalSolver
+from pinograsp.solve.options import Projection, SolverOptions
+from pinograsp.solve.starts import starts_near
 
 # Where the time goes: the first part whose name is in the file name of a function gets its own time.
 PARTS = {

@@ -21,7 +21,7 @@ import pinograsp
 from pinograsp.arrays import Array
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
-from pinograsp.database import cached_database
+from pinograsp.database.cache import cached_database
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.robot import CollisionDescription
 from pinograsp.descriptions.scene import Margins
@@ -33,7 +33,9 @@ from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.kinematics.robot import Robot
 from pinograsp.onboarding.excess import excess
 from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.solve import LocalSolver, SolverOptions, starts_near
+from pinograsp.solve.local import LocalSolver
+from pinograsp.solve.options import SolverOptions
+from pinograsp.solve.starts import starts_near
 
 SAMPLES = 4000
 

@@ -20,11 +20,11 @@ import duckdb
 import numpy as np
 
 import pinograsp
-from pinograsp.database import region, spread_selection
+from pinograsp.database.query import configurations_near, spread_configurations
 from pinograsp.database.store import Database
 from pinograsp.execution import own_workers
 from pinograsp.kinematics.hand_posture import hand_opening
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 
 def main() -> None:
@@ -93,9 +93,9 @@ def timed(database: Database, centers: np.ndarray, radius: float, *, spread: boo
     for center in centers:
         began = time.perf_counter()
         if spread:
-            spread_selection(database, center, radius, 1304)
+            spread_configurations(database, center, radius, 1304)
         else:
-            region(database, center, radius)
+            configurations_near(database, center, radius)
         milliseconds.append(1e3 * (time.perf_counter() - began))
         near = " + ".join(f"({name} - {value}) ** 2" for name, value in zip("xyz", center, strict=True))
         counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {near} <= {radius**2}")

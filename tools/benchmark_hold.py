@@ -25,7 +25,9 @@ from scipy.stats import spearmanr
 
 import pinograsp
 from paper.cases import CASES
-from pinograsp.hold import HoldOptions, HoldOutcome, hold_test, in_order
+from pinograsp.hold.options import HoldOptions
+from pinograsp.hold.outcome import HoldOutcome
+from pinograsp.hold.run import hold_test, in_order
 from pinograsp.results import Result
 
 SETS = ("best", "random", "worst")

@@ -3,11 +3,3 @@
 `assess` is the way in, `errors` what is drawn, `closing` where the hand comes to rest on a displaced object, `judge`
 whether it holds there, `margins` how large each error may be alone, `outcome` the result.
 """
-
-from .assess import assess
-from .errors import Draw, Errors
-from .judge import Verdict
-from .margins import Margin
-from .outcome import Assessment, Sample
-
-__all__ = ["Assessment", "Draw", "Errors", "Margin", "Sample", "Verdict", "assess"]

@@ -10,12 +10,12 @@ from typing import Any
 from ..errors import InputError, whole_number
 from ..execution import Workers, own_workers
 from ..results import Grasp
-from .errors import Draw, Errors, draws
-from .judge import Judge, Verdict
-from .margins import KINDS, Margin, margin_of
-from .outcome import Assessment, Sample
+from .errors import SAMPLES, Draw, Errors, draws
+from .judge import Judge
+from .margins import KINDS, margin_of
+from .outcome import Assessment, Margin, Sample
+from .verdict import Verdict
 
-SAMPLES = 200
 MOST = 1_000_000
 
 

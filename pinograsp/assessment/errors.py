@@ -1,4 +1,4 @@
-"""Errors of a grasp in the world, and how they are drawn.
+"""Errors of the world against the plan of a grasp, and how they are drawn.
 
 Vectors (position, orientation, centre of mass) are uniform in a ball, joints and the two factors uniform in an
 interval; all are independent of each other.
@@ -17,6 +17,8 @@ from ..errors import InputError
 
 Interval = tuple[float, float]
 
+SAMPLES = 200
+"""Number of sets of errors that an assessment draws by default."""
 FRICTION = (0.8, 1.2)
 """Friction by default, in parts of the task's coefficient."""
 _MOST = 1e3

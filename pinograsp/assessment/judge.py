@@ -22,7 +22,7 @@ the surface is counted, and holds all the same.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,46 +33,16 @@ from ..errors import InputError
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
 from ..results import Grasp
-from ..verification import Certificate, Claim, Verifier
+from ..verification import Certificate, Claim
 from ..verification.balance import BalanceProblem
+from ..verification.check import Verifier
 from .closing import Closed, Closing, moved
 from .errors import Draw
+from .verdict import COLLIDES, LOST, OFF_PAD, PENETRATES, SLIPS, TOUCHES, Verdict
 
-LOST = "no contact"
-OFF_PAD = "contact off the pad"
-TOUCHES = "another link touches the object"
-PENETRATES = "a pad's link enters the object"
-COLLIDES = "the robot touches walls, obstacles or itself"
-SLIPS = "the object slips"
-CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
-"""Why a grasp may fail, in the order in which the causes are looked for: the first one counts."""
 BALANCED = 1e-6
 """How much a margin may be below zero for the tolerance of the cone solver, N."""
 _CLEARANCES = ("enclosure clearance", "obstacle clearance", "self clearance", "self collision")
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """Effect of one set of errors on a grasp."""
-
-    cause: str | None
-    """One of `CAUSES`; None if it holds."""
-    where: str
-    """Pad or pair of bodies that the cause is about."""
-    margin: float
-    """Slack left in the inequalities of the balance, N."""
-    off_region: bool
-    """Whether a footprint leaves the part of the surface where contact is allowed."""
-
-    @property
-    def holds(self) -> bool:
-        """Whether the grasp holds."""
-        return self.cause is None
-
-    @property
-    def reason(self) -> str:
-        """The cause and what it is about, empty if the grasp holds."""
-        return ": ".join(part for part in (self.cause, self.where) if part)
 
 
 class Judge:

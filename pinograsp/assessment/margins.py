@@ -19,12 +19,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
-from .judge import SLIPS, Judge, Verdict
+from .judge import Judge
+from .outcome import Margin
+from .verdict import SLIPS, Verdict
 
 TOLERANCE = 0.02
 """Of positions, orientations and joints, in parts of the size."""
@@ -40,26 +42,6 @@ HEAVIEST = 100.0
 Vector = tuple[float, float, float]
 AXES: tuple[Vector, ...] = ((1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0), (0, 0, 1.0), (0, 0, -1.0))
 Direction = TypeVar("Direction")
-
-
-@dataclass(frozen=True)
-class Margin:
-    """How large one kind of error may be, alone."""
-
-    kind: str
-    size: float
-    """In `unit`; the least coefficient of friction, otherwise the largest size."""
-    unit: str
-    where: str
-    """Direction or joint in which it ends; empty if there is none."""
-    cause: str
-    """Why the grasp fails beyond; empty if it was not seen to."""
-    capped: bool
-    """Whether it holds at the largest size that is looked at (friction: without any)."""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the margin as JSON data."""
-        return {"size": self.size, "unit": self.unit, "where": self.where, "cause": self.cause, "capped": self.capped}
 
 
 def margin_of(judge: Judge, kind: str) -> Margin:

@@ -1,4 +1,4 @@
-"""What an assessment found."""
+"""Outcome of an assessment."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .errors import Draw, Errors
-from .judge import CAUSES, Verdict
-from .margins import Margin
+from .verdict import CAUSES, Verdict
 
 CONFIDENCE = 1.959963984540054
 """Standard deviations of a normal distribution that hold 95 % of it."""
@@ -35,6 +34,26 @@ class Sample:
             "margin": verdict.margin if math.isfinite(verdict.margin) else None,
             "off_region": verdict.off_region,
         }
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How large one kind of error may be, alone."""
+
+    kind: str
+    size: float
+    """In `unit`; the least coefficient of friction, otherwise the largest size."""
+    unit: str
+    where: str
+    """Direction or joint in which it ends; empty if there is none."""
+    cause: str
+    """Why the grasp fails beyond; empty if it was not seen to."""
+    capped: bool
+    """Whether it holds at the largest size that is looked at (friction: without any)."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the margin as JSON data."""
+        return {"size": self.size, "unit": self.unit, "where": self.where, "cause": self.cause, "capped": self.capped}
 
 
 @dataclass(frozen=True)

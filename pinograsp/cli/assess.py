@@ -14,8 +14,9 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from ..assessment import Assessment, Errors, Margin, assess
-from ..assessment.assess import SAMPLES
+from ..assessment.assess import assess
+from ..assessment.errors import SAMPLES, Errors
+from ..assessment.outcome import Assessment, Margin
 from ..disk import write_whole
 from ..results import Result, read_json
 from ..results.units import shown_in

@@ -11,12 +11,15 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from ..database import Cone, Coverage, Database, build_database, region, spread_selection
-from ..database.query import Configurations
-from ..database.sampling import Spread
+from ..database.build import build_database
+from ..database.coverage import Coverage
+from ..database.query import Configurations, configurations_near, spread_configurations
+from ..database.spread import Spread
+from ..database.store import Database
 from ..descriptions import load_robot_description, load_scene
 from ..descriptions.scene import Margins
 from ..errors import InputError
+from ..geometry.cone import Cone
 from ..kinematics.robot import Robot
 from .progress_bar import ProgressBar
 
@@ -89,9 +92,9 @@ def query(
     directions = None if cone is None else Cone(np.array(cone), float(np.radians(angle)))
     with Database.open(file) as database:
         if spread:
-            found = spread_selection(database, np.array(center), radius, count, cone=directions)
+            found = spread_configurations(database, np.array(center), radius, count, cone=directions)
         else:
-            found = region(database, np.array(center), radius, cone=directions, limit=count)
+            found = configurations_near(database, np.array(center), radius, cone=directions, limit=count)
         names = database.joints()
     Console().print(_table(found, names))
 

@@ -17,8 +17,11 @@ from rich.progress import Progress
 from rich.table import Table
 
 from ..errors import InputError
-from ..hold import HoldOptions, HoldOutcome, HoldProgress, hold_test, write_film, write_mjcf
-from ..hold.film import film_file
+from ..hold.film import film_file, write_film
+from ..hold.options import HoldOptions
+from ..hold.outcome import HoldOutcome
+from ..hold.run import HoldProgress, hold_test
+from ..hold.write import write_mjcf
 from ..results import Grasp, read_json
 from .chosen import chosen_grasp
 from .console import say

@@ -13,12 +13,14 @@ from rich.markup import escape
 
 from ..descriptions import load_robot_description, load_scene
 from ..kinematics.robot import Robot
-from ..planning import DEFAULT_STARTS, plan
-from ..results import Result, grasp_table, outcome_lines, write_json
+from ..planning.defaults import DEFAULT_STARTS
+from ..planning.one_shot import plan
+from ..results import Result, write_json
 from ..results.criteria import ALIASES, BY_NAME, criterion_of, numbers_of
 from ..results.ranking import SCORE
-from ..solve import SolverOptions
+from ..results.table import grasp_table, outcome_lines
 from ..solve.backends import BACKENDS
+from ..solve.options import SolverOptions
 from .console import say
 from .folders import make_folder
 from .progress_bar import ProgressBar

@@ -6,8 +6,8 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from ..database import BuildProgress
-from ..planning import Progress
+from ..database.build import BuildProgress
+from ..planning.outcomes import Progress
 
 PREPARING = "preparing (longer the first time on a machine, and with a new robot)"
 

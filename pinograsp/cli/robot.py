@@ -9,21 +9,11 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from ..descriptions import load_robot_description
 from ..descriptions.pose import ZERO
 from ..errors import InputError
-from ..onboarding import (
-    HandMount,
-    Report,
-    check_robot,
-    findings_table,
-    links_table,
-    new_robot_file,
-    refuse_existing,
-    summary,
-    summary_lines,
-    write_new,
-)
+from ..onboarding.check import RobotReport, check_robot
+from ..onboarding.new import HandMount, new_robot_file, refuse_existing, summary_lines, write_new
+from ..onboarding.table import findings_table, links_table, summary
 from .folders import make_folder
 
 app = typer.Typer(no_args_is_help=True, help="Write a first robot file for a URDF; check a robot file.")
@@ -41,10 +31,9 @@ def check(
     Exits with 1 if something is wrong.
     """
     console = Console()
-    description = load_robot_description(robot)
     with console.status("looking at the robot"):
-        report = check_robot(description)
-    console.print(findings_table(report, description.name))
+        report = check_robot(robot)
+    console.print(findings_table(report))
     if report.links:
         console.print(links_table(report))
     console.print(summary(report), highlight=False)
@@ -100,7 +89,7 @@ def new(
     console.print(f"next: pinograsp robot check {escape(str(file))}", highlight=False, soft_wrap=True)
 
 
-def _write_page(report: Report, folder: Path) -> Path | None:
+def _write_page(report: RobotReport, folder: Path) -> Path | None:
     """Write the page of a check, and return where; None if there is no robot to show."""
     if report.robot is None:
         return None

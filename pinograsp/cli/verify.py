@@ -12,7 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from ..results import Difference, Result, read_json, verify
+from ..results import Result, read_json
+from ..results.reverify import Difference, verify
 from .console import say
 
 DIFFERENT = 1

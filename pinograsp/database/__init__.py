@@ -4,24 +4,3 @@ Section 3.5 and Algorithm 1 of the paper: the workspace is sampled once, and eve
 for the wrist near the object. `identity` says what a database belongs to, `store` is the file, `build` fills
 it, `query` reads regions and spreads starts, `coverage` counts what the wrist reaches, `cache` keeps small ones.
 """
-
-from ..geometry.cone import Cone
-from .build import BuildProgress, build_database
-from .cache import cached_database
-from .coverage import Coverage
-from .identity import Identity
-from .query import Configurations, region, spread_selection
-from .store import Database
-
-__all__ = [
-    "BuildProgress",
-    "Cone",
-    "Configurations",
-    "Coverage",
-    "Database",
-    "Identity",
-    "build_database",
-    "cached_database",
-    "region",
-    "spread_selection",
-]

@@ -25,7 +25,8 @@ from ..execution import own_workers
 from ..kinematics.robot import Robot
 from .identity import Identity
 from .lock import building
-from .sampling import DRAWS, Batch, BatchSampler, Spread
+from .sampling import DRAWS, Batch, BatchSampler
+from .spread import Spread
 from .store import Database, columns, create_tables
 
 HOPELESS = 8

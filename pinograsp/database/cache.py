@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -30,13 +31,28 @@ def cached_database(
     """Return the small database of a robot, enclosure and margins; built on first use.
 
     Raises:
-        InputError: the cached file is damaged; the message names it, so that it can be deleted.
+        InputError: the cached file is damaged; the message names it, so that it can be deleted. Or it is not there, and
+            the cache folder cannot be written.
     """
     identity = Identity.of(robot, scene, margins)
     file = cache_folder() / f"{robot.description.name}-{identity.digest[:16]}.duckdb"
-    return _complete(file, identity) or build_database(
+    there = _complete(file, identity)
+    if there is not None:
+        return there
+    _require_writable(file.parent)
+    return build_database(
         robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
     )
+
+
+def _require_writable(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        problem = f"the cache folder cannot be written: {(error.strerror or str(error)).lower()}"
+        remedy = "Set PINOGRASP_CACHE to a folder that can, or give a database"
+        raise InputError(problem, file=folder, remedy=remedy) from None
 
 
 def _complete(file: Path, identity: Identity) -> Database | None:

@@ -1,4 +1,4 @@
-"""Which parts of the enclosure the wrist reaches, and from which directions."""
+"""Parts of the enclosure that the wrist reaches, and from which directions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,12 @@ class Coverage:
 
     @classmethod
     def of(cls, database: Database, voxel: float = 0.05) -> Coverage:
-        """Count the configurations of a database by voxel and approach direction."""
+        """Count the configurations of a database by voxel and approach direction.
+
+        Args:
+            database: an open database.
+            voxel: edge of a voxel, m.
+        """
         walls = database.identity.enclosure["walls"]
         origin, end = np.array(walls["min"]), np.array(walls["max"])
         shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)

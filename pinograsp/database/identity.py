@@ -1,4 +1,4 @@
-"""The owner of a database: a robot, an enclosure and margins; nothing of objects or tasks."""
+"""Identity of a database: a robot, an enclosure and margins; nothing of objects or tasks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MEANING = {
     "enclosure": "walls, mounting pose and fixed obstacles",
     "margins": "least distances that the configurations keep",
 }
-"""Content of each part's hash."""
+"""Content that each part's hash is taken of."""
 
 
 @dataclass(frozen=True)

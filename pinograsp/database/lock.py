@@ -6,6 +6,7 @@ import fcntl
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from ..errors import InputError
 
@@ -15,13 +16,20 @@ def building(file: Path, *, wait: bool) -> Iterator[None]:
     """Hold the right to build a database; the system takes it back when the process ends, however it ends.
 
     Raises:
-        InputError: another process holds it, and `wait` is false.
+        InputError: another process holds it, and `wait` is false; or nothing can be written there.
     """
-    file.parent.mkdir(parents=True, exist_ok=True)
-    lock = file.with_name(f".{file.name}.lock")
-    with lock.open("w") as handle:
+    with _lock(file) as handle:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise InputError("is being built by another process", file=file, remedy="Wait until it is done") from None
         yield  # the lock file stays: to delete it would let two processes lock two files of one name
+
+
+def _lock(file: Path) -> IO[str]:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        return file.with_name(f".{file.name}.lock").open("w")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None

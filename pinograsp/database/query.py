@@ -54,7 +54,7 @@ class Configurations:
         return len(self.q)
 
 
-def region(
+def configurations_near(
     database: Database,
     center: Array,
     extent: float | Array,
@@ -78,7 +78,7 @@ def region(
     return _fetch(database, f"SELECT {_listed(database)} FROM configurations WHERE {where}{most}", values)
 
 
-def spread_selection(
+def spread_configurations(
     database: Database,
     center: Array,
     extent: float | Array,

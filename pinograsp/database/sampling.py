@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..kinematics.hand_posture import hand_opening
 from ..kinematics.robot import Robot
+from .spread import Spread
 
-Spread = Literal["joints", "wrist"]
 DRAWS = 65_536
 """Samples in a batch."""
 _BLOCK = 16_384

@@ -47,6 +47,10 @@ class Database:
     def open(cls, file: Path | str, *, read_only: bool = True) -> Database:
         """Open an existing database.
 
+        Args:
+            file: the database.
+            read_only: others may read it at the same time, and nobody can change it.
+
         Raises:
             InputError: the file is missing, damaged, foreign, of another format or in use.
         """
@@ -56,6 +60,8 @@ class Database:
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
         except duckdb.IOException as error:
+            if "permission denied" in str(error).lower():
+                raise InputError("cannot be opened: permission denied", file=path, remedy="Check the file") from None
             if "lock" in str(error).lower():
                 raise InputError("is in use by another process", file=path, remedy="Wait until it is done") from None
             raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
@@ -80,7 +86,13 @@ class Database:
 
     @classmethod
     def create(cls, file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
-        """Make a new, empty database; it appears whole or not at all."""
+        """Make a new, empty database; it appears whole or not at all.
+
+        Args:
+            file: the database; its folder is made.
+            identity: what it belongs to.
+            facts: further metadata, data for JSON.
+        """
         file.parent.mkdir(parents=True, exist_ok=True)
         partial = file.with_name(file.name + ".partial")
         partial.unlink(missing_ok=True)
@@ -113,7 +125,12 @@ class Database:
         return {key: json.loads(value) for key, value in rows}
 
     def set_metadata(self, key: str, value: Any) -> None:
-        """Set one value of the metadata."""
+        """Set one value of the metadata.
+
+        Args:
+            key: its name.
+            value: data for JSON.
+        """
         self.connection.execute("INSERT OR REPLACE INTO metadata VALUES (?, ?)", [key, json.dumps(value)])
 
     @property
@@ -160,14 +177,20 @@ class Database:
             "margins": identity.margins,
         }
 
-    def export_parquet(self, file: Path) -> None:
-        """Write the configurations as one Parquet file, q1 .. ql under the names of their joints."""
+    def export_parquet(self, file: Path | str) -> None:
+        """Write the configurations as one Parquet file, q1 .. ql, rad (m), under the names of their joints.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
         names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
         target = str(file).replace("'", "''")
-        self.connection.execute(
-            f"COPY (SELECT {names}, {others} FROM configurations) TO '{target}' (FORMAT parquet, COMPRESSION zstd)"
-        )
+        rows = f"SELECT {names}, {others} FROM configurations"
+        try:
+            self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+        except duckdb.IOException:
+            raise InputError("cannot be written", file=file, remedy="Check the folder") from None
 
 
 def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:

@@ -6,6 +6,7 @@ file lists under `packages`, and in the `share` folder of the installed model wh
 
 from __future__ import annotations
 
+import sys
 import sysconfig
 from pathlib import Path
 
@@ -67,8 +68,12 @@ def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
 
 
 def wheel_share() -> Path:
-    """Return the folder into which the model wheels install their packages."""
-    return Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
+    """Return the folder into which the model wheels install their packages, the first one where Python looks for them.
+
+    It need not be that of this environment: wheels may be the user's own, or those that an environment inherits.
+    """
+    shares = [Path(folder) / "cmeel.prefix" / "share" for folder in (*sys.path, sysconfig.get_path("purelib"))]
+    return next((share for share in shares if share.is_dir()), shares[-1])
 
 
 def package_folders(file: Path, packages: tuple[Path, ...]) -> list[Path]:

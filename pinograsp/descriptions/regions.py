@@ -17,7 +17,7 @@ Positive = Annotated[Number, Field(gt=0.0)]
 
 
 class HalfSpace(Frozen):
-    """Points p with normal . p >= offset."""
+    """Points p with normal . p >= offset; the normal has length 1."""
 
     type: Literal["half_space"]
     normal: UnitVector3
@@ -44,7 +44,7 @@ class Sector(Frozen):
 
 
 class Ball(Frozen):
-    """Points within `radius` of `center`."""
+    """Points within `radius` of `center`, m."""
 
     type: Literal["ball"]
     center: Vector3
@@ -52,7 +52,7 @@ class Ball(Frozen):
 
 
 class Cuboid(Frozen):
-    """Points between two corners."""
+    """Points between two corners, m."""
 
     type: Literal["box"]
     min: Vector3

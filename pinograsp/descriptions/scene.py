@@ -37,7 +37,7 @@ NotNegative = Annotated[Number, Field(ge=0.0)]
 
 
 class Enclosure(Frozen):
-    """The inside of a box-shaped room, edges along the world axes; its six walls are half-spaces."""
+    """The inside of a box-shaped room, m, edges along the world axes; its six walls are half-spaces."""
 
     min: Vector3
     max: Vector3
@@ -71,19 +71,19 @@ class Object(Body):
     """Something to grasp; in the tasks of other objects it is an obstacle."""
 
     center_of_mass: Vector3 = ZERO
-    """In the object's frame."""
+    """In the object's frame, m."""
     mass: Positive | None = None
     """kg; by default what a task's external force weighs on Earth."""
 
     @cached_property
     def center_of_mass_world(self) -> Array:
-        """Centre of mass in the world, shape (3,)."""
+        """Centre of mass in the world, m, shape (3,)."""
         T = self.pose.matrix
         return np.asarray(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3])
 
 
 class Wrench(Frozen):
-    """External wrench on the object: force and torque about the centre of mass, world frame."""
+    """External wrench on the object: force, N, and torque about the centre of mass, N m, world frame."""
 
     force: Vector3
     torque: Vector3 = ZERO
@@ -149,11 +149,11 @@ class ApproachCone(Frozen):
 
 
 class Task(Frozen):
-    """What to hold, where, against which wrench."""
+    """An object to hold: where, against which wrench, with how much room."""
 
     object: Name
     desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2)]
-    """Desired contact points on the object's surface, in the object's frame; one for each pad."""
+    """Desired contact points on the object's surface, m, in the object's frame; one for each pad."""
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
     wrench: Wrench
@@ -163,13 +163,13 @@ class Task(Frozen):
     margin: Margins = Margins()
     reserve: Reserves = Reserves()
     contact_model: ContactModel | None = None
-    """What the contacts transmit, in place of what the robot's pads say."""
+    """Contact model of every pad, in place of what the robot file says."""
     allowed_contacts: Region | None = None
     """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
     forbidden_contacts: Region | None = None
     """Part of the object's surface where contact is forbidden, object's frame."""
     contact_regions: Literal["footprint", "point"] = "footprint"
-    """What has to be where contact may be: all that pad and object touch, or the contact point alone (the paper)."""
+    """Part of a contact that has to be where contact may be: the footprint, or the contact point alone (the paper)."""
     withstand: Positive | None = None
     """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
     approach: ApproachCone | None = None
@@ -238,6 +238,10 @@ class Scene(FileRoot):
 
     def with_object_pose(self, name: str, pose: Pose) -> Scene:
         """Return the scene with an object at another pose.
+
+        Args:
+            name: of the object.
+            pose: of the object in the world.
 
         Raises:
             InputError: there is no object of this name.

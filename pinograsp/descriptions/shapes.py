@@ -23,7 +23,7 @@ class ShapeDescription(Frozen):
 
 
 class Sphere(ShapeDescription):
-    """A ball around the origin of its frame."""
+    """A ball around the origin of its frame; its radius in m."""
 
     type: Literal["sphere"]
     radius: Length
@@ -34,11 +34,11 @@ class Box(ShapeDescription):
 
     type: Literal["box"]
     size: tuple[Length, Length, Length]
-    """Edge lengths along x, y, z."""
+    """Edge lengths along x, y, z, m."""
 
 
 class Cylinder(ShapeDescription):
-    """A cylinder around the z axis of its frame, centred at the origin."""
+    """A cylinder around the z axis of its frame, centred at the origin; radius and height in m."""
 
     type: Literal["cylinder"]
     radius: Length

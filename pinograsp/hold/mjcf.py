@@ -21,7 +21,7 @@ from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..errors import InputError
 from ..results import Grasp, Setup
-from ..verification import Verifier
+from ..verification.check import Verifier
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
 from .drive import Drive, coupled, numbers, servos

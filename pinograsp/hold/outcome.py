@@ -1,4 +1,4 @@
-"""What a hold test found."""
+"""Outcome of a hold test."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class HoldOutcome:
     controls: dict[str, bool]
     """Whether the negative controls `no squeeze` and `no friction` held, which they must not; empty if not run."""
     seconds: float = field(compare=False)
-    """Of computing time."""
+    """Computing time, s."""
 
     @property
     def force_error(self) -> float:

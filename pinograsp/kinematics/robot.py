@@ -15,13 +15,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array, Indices
-from ..descriptions import RobotDescription
+from ..descriptions import RobotDescription, load_robot_description
 from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
@@ -154,7 +155,12 @@ class Robot:
         return joint in arm.joints and self.urdf.movable[joint] == "continuous" and joint not in arm.limits
 
     def moved_by_hand(self, first: int, second: int) -> bool:
-        """Whether nothing but the hand's joints moves what two joints carry against each other."""
+        """Whether nothing but the hand's joints moves what two joints carry against each other.
+
+        Args:
+            first: number of a joint of the model.
+            second: of the other one.
+        """
         relative = np.flatnonzero(self.supports[first] != self.supports[second])
         return bool(np.isin(relative, self.hand_joints).all())
 
@@ -252,6 +258,15 @@ class Robot:
         first = sum(len(other.patch.parameters) for other in pads[:number])
         parameters = slice(first, first + len(pad.patch.parameters))
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)
+
+
+def load_robot(name: str | Path) -> Robot:
+    """Read a robot file with its URDF, given by path, by folder or by the name of a shipped robot.
+
+    Raises:
+        InputError: a file is missing or wrong; the message names it, the key and the remedy.
+    """
+    return Robot(load_robot_description(name))
 
 
 def _mounted(model: Any, T_world_root: Array) -> Any:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
-from ..descriptions import RobotDescription
+from ..descriptions import RobotDescription, load_robot_description
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from ..kinematics.collision_elements import link_elements
@@ -20,9 +21,11 @@ from .pads import pad_findings
 
 
 @dataclass(frozen=True)
-class Report:
-    """What a check found."""
+class RobotReport:
+    """Findings of the check of a robot file."""
 
+    name: str
+    """Of the robot."""
     findings: tuple[Finding, ...]
     links: tuple[LinkFigures, ...] = ()
     robot: Robot | None = None
@@ -34,17 +37,27 @@ class Report:
         return any(finding.level == "wrong" for finding in self.findings)
 
 
-def check_robot(description: RobotDescription) -> Report:
-    """Look at a robot file. What makes it useless is a finding, too; nothing is raised."""
+def check_robot(name: str | Path) -> RobotReport:
+    """Look at a robot file: what is wrong or doubtful with it, and how closely it is followed.
+
+    A file that can be read and gives no robot is a finding, too, not an error.
+
+    Args:
+        name: path, folder, or name of a shipped robot.
+
+    Raises:
+        InputError: the robot file itself is missing, is not YAML, or has a key or value that is wrong.
+    """
+    description = load_robot_description(name)
     try:
         robot = Robot(description)
     except InputError as error:
-        return Report(_refused(description, error))
+        return RobotReport(description.name, _refused(description, error))
     try:
         meshes = link_meshes(link_elements(robot.urdf.composed, description.urdf_file))
         figures = link_figures(robot, meshes)
     except InputError as error:
-        return Report((_of(error),))
+        return RobotReport(description.name, (_of(error),))
     findings = [
         *unusable_limits(description, robot.urdf.composed),
         *joint_findings(robot),
@@ -53,7 +66,7 @@ def check_robot(description: RobotDescription) -> Report:
         *mesh_findings(figures, meshes, robot),
         *collision_findings(robot, meshes),
     ]
-    return Report(tuple(findings), tuple(figures), robot)
+    return RobotReport(description.name, tuple(findings), tuple(figures), robot)
 
 
 def _refused(description: RobotDescription, error: InputError) -> tuple[Finding, ...]:

@@ -27,7 +27,7 @@ TOOL_FRAMES = ("end_effector", "tool0", "ee_link", "eef", "flange")
 
 @dataclass(frozen=True)
 class Draft:
-    """What was found."""
+    """Parts of a robot file that could be found."""
 
     composition: Composition
     tree: UrdfTree

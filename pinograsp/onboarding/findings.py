@@ -1,4 +1,4 @@
-"""What a check says of a robot file."""
+"""Findings of the check of a robot file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Finding:
     """wrong: no grasp can come of it; doubtful: most likely not meant so."""
     what: str
     remedy: str = ""
-    """What to do, if anything."""
+    """Words on how to mend it; empty where nothing is to be done."""
 
 
 @dataclass(frozen=True)

@@ -23,23 +23,25 @@ from .robot_file import robot_file, srdf_beside
 class HandMount:
     """A hand with a URDF of its own, and where it sits."""
 
-    urdf: str
+    urdf: str | Path
     to: str | None = None
     """Link of the arm; its last one if not given."""
     root: str | None = None
     """Link of the hand's URDF with which the hand begins."""
     position: Vector3 = ZERO
+    """Of its root on that link, m."""
     rpy: Vector3 = ZERO
+    """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
 
 
 def new_robot_file(
-    urdf: str,
-    output: Path,
+    urdf: str | Path,
+    output: str | Path,
     *,
     hand: HandMount | None = None,
     tip: str | None = None,
-    packages: Sequence[Path] = (),
+    packages: Sequence[str | Path] = (),
 ) -> tuple[str, Draft]:
     """Return the text of a first robot file, and what it says; nothing is written.
 
@@ -53,12 +55,13 @@ def new_robot_file(
     Raises:
         InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
     """
-    files = [find_urdf(urdf, packages, "URDF")]
-    files += [] if hand is None else [find_urdf(hand.urdf, packages, "--hand")]
+    output, folders = Path(output), [Path(folder) for folder in packages]
+    files = [find_urdf(str(urdf), folders, "URDF")]
+    files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "--hand")]
     composition = Composition(
         format=1,
         urdf=address_of(files[0], output),
-        packages=needed_packages(files, packages, output),
+        packages=needed_packages(files, folders, output),
         source=output,
         digest="",
     )

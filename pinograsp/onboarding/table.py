@@ -6,16 +6,16 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from .check import Report
+from .check import RobotReport
 from .findings import Finding
 
 STYLES = {"wrong": "bold red", "doubtful": "yellow", "ok": "green"}
 """What is worse comes first."""
 
 
-def findings_table(report: Report, name: str) -> Table:
+def findings_table(report: RobotReport) -> Table:
     """Return the findings, the worst first, each with what to do below it."""
-    table = _table(f"{name}: what the check found")
+    table = _table(f"{report.name}: what the check found")
     table.show_header = False
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
@@ -26,7 +26,7 @@ def findings_table(report: Report, name: str) -> Table:
     return table
 
 
-def links_table(report: Report) -> Table:
+def links_table(report: RobotReport) -> Table:
     """Return the figures of the links' collision geometry."""
     table = _table("collision geometry; how far its convex pieces stand off the meshes, mm")
     table.add_column("link", overflow="fold")
@@ -38,7 +38,7 @@ def links_table(report: Report) -> Table:
     return table
 
 
-def summary(report: Report) -> str:
+def summary(report: RobotReport) -> str:
     """Return how many findings there are of each level."""
     counts = {level: sum(finding.level == level for finding in report.findings) for level in STYLES}
     return ", ".join(f"{count} {level}" for level, count in counts.items())

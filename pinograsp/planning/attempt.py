@@ -11,10 +11,12 @@ from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
+from ..planning.assemble import claim_of, grasp_of
 from ..problem import State, TaskModel
-from ..results import Grasp, claim_of, grasp_of
-from ..solve import Solution
-from ..verification import Certificate, Verifier
+from ..results import Grasp
+from ..solve.local import Solution
+from ..verification import Certificate
+from ..verification.check import Verifier
 from ..verification.robot import read_robot
 
 

@@ -6,13 +6,15 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 
-from ..database import BuildProgress, Database
+from ..database.build import BuildProgress
+from ..database.store import Database
 from ..descriptions import Scene
 from ..kinematics.robot import Robot
 from ..results import Result
-from ..solve import SolverOptions
+from ..solve.options import SolverOptions
+from .defaults import DEFAULT_STARTS
 from .outcomes import Progress
-from .session import DEFAULT_STARTS, Planner
+from .session import Planner
 
 
 def plan(

@@ -1,4 +1,4 @@
-"""What became of the starts of a run, and the result that says so."""
+"""Outcomes of the starts of a run, and the result that says so."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
-from ..results import WITHSTAND, Blocked, Result, Setup, merge, provenance
+from ..results import WITHSTAND, Blocked, Result, Setup, merge
+from ..results.provenance import provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
 
@@ -23,7 +24,7 @@ class Progress:
     total: int
     verified: int
     best_U: float
-    """Infinite until the first verified grasp."""
+    """Least cost index so far, mm^2; infinite until the first verified grasp."""
 
 
 @dataclass

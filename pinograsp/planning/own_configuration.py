@@ -10,10 +10,12 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InputError, close_names
 from ..kinematics.robot import Robot
+from ..planning.assemble import claim_of
 from ..problem import GraspProblem, State, TaskModel
-from ..results import claim_of
 from ..solve.projection import nearest_assignment
-from ..verification import Certificate, PairClearance, Verifier
+from ..verification import Certificate
+from ..verification.check import Verifier
+from ..verification.pair_clearances import PairClearance
 
 STEPS = 20
 TOWARDS_DESIRED = 1e-3
@@ -22,7 +24,7 @@ TOWARDS_DESIRED = 1e-3
 
 @dataclass(frozen=True)
 class ConfigurationCheck:
-    """What the independent check says of a configuration."""
+    """Findings of the independent check of a configuration."""
 
     certificate: Certificate
     """Every figure, with the contacts where the pads are nearest to touching, and the best forces there."""

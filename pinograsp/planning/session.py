@@ -12,7 +12,10 @@ from pathlib import Path
 from typing import Self
 
 from ..arrays import Array
-from ..database import BuildProgress, Database, Identity, cached_database
+from ..database.build import BuildProgress
+from ..database.cache import cached_database
+from ..database.identity import Identity
+from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
@@ -22,14 +25,16 @@ from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
 from ..results import Grasp, Result, Setup
-from ..solve import HeldHand, LocalSolver, SolverOptions, StartIndex, starts_near
+from ..solve.local import LocalSolver
+from ..solve.options import SolverOptions
+from ..solve.start_index import HeldHand, StartIndex
+from ..solve.starts import starts_near
 from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
 from .bound import least_U
+from .defaults import DEFAULT_STARTS
 from .outcomes import Progress, Run
 from .own_configuration import Configuration, ConfigurationCheck, checked
 
-DEFAULT_STARTS = 1304
-"""The paper's number of starts."""
 NEAREST = 400
 """Starts that a search for single grasps tries at most."""
 QUICK = 30
@@ -188,7 +193,7 @@ class Planner:
 
         Args:
             name: of the object.
-            pose: of the object in the world; as an array: homogeneous, shape (4, 4).
+            pose: of the object in the world, m; as an array: homogeneous, shape (4, 4).
 
         Raises:
             InputError: there is no such object, or the array is no pose.

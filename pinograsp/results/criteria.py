@@ -29,7 +29,7 @@ def numbers_of(grasp: Grasp) -> Numbers:
 
 @dataclass(frozen=True, kw_only=True)
 class Criterion:
-    """One number of a grasp, and which of two is better."""
+    """One number of a grasp, in `unit`, and which of two is better."""
 
     name: str
     meaning: str

@@ -14,7 +14,7 @@ from .setup import Setup
 
 @dataclass(frozen=True)
 class Cost:
-    """The cost index (10): U = phi_mm2 + k V."""
+    """The cost index (10): U = phi_mm2 + k V, all three in the paper's unit, mm^2 with k in mm^2 and V without one."""
 
     U: float
     phi_mm2: float
@@ -70,7 +70,7 @@ class Grasp:
 
     @property
     def claim(self) -> Claim:
-        """What the check proves or refutes: joints, contact points and forces."""
+        """The part that the check proves or refutes: joints, contact points and forces."""
         return Claim(
             joints=self.joints,
             points=np.array([contact.point for contact in self.contacts]),

@@ -20,7 +20,14 @@ from .result import Result
 def write_json(result: Result, file: Path | str) -> None:
     """Write a result with the robot, the scene and the task that it belongs to.
 
-    The file is there whole or not at all.
+    The file is there whole or not at all; one that is there is replaced, and its folder is made.
+
+    Args:
+        result: from `plan` or `read_json`.
+        file: where to write.
+
+    Raises:
+        InputError: the file cannot be written.
     """
     write_whole(Path(file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
 

@@ -1,4 +1,4 @@
-"""What a result was computed from: versions and hashes."""
+"""Versions and hashes of what a result was computed from."""
 
 from __future__ import annotations
 

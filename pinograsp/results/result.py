@@ -29,7 +29,7 @@ class Blocked:
 
 @dataclass(frozen=True)
 class Result:
-    """What a run found: verified grasps, the best first, and what became of every start."""
+    """Outcome of a run: verified grasps, the best first, and what became of every start."""
 
     setup: Setup = field(repr=False)
     """Robot, scene and task; each of the grasps gets this object too."""
@@ -44,14 +44,14 @@ class Result:
     refuted: int
     """Starts whose grasp the solver called feasible and the independent check refuted."""
     blocked: dict[str, Blocked]
-    """What kept the other starts from being verified, by kind of constraint."""
+    """Reasons why the other starts are not verified, by kind of constraint."""
     interrupted: bool = False
     times: dict[str, float] = field(default_factory=dict)
-    """Seconds per stage; `solver_mean` is the mean of one start on one core."""
+    """Time of each stage, s; `solver_mean` is the mean of one start on one core."""
     provenance: dict[str, Any] = field(default_factory=dict)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
-    """What is odd about the task."""
+    """Oddities of the task, in words."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 

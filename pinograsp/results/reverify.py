@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
-from ..verification import Verifier
+from ..verification.check import Verifier
 from .encoding import encode_grasp
 from .grasp import Cost, Grasp
 from .provenance import file_hashes

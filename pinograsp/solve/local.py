@@ -3,63 +3,23 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel, Violation
-from .backends import Limits, Stop, backend_of
+from .backends import Stop, backend_of
+from .options import SolverOptions
 from .polish import polished
-from .projection import Projection, initial_guesses, nearest_assignment
+from .projection import initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-"""Outcome of a start. With the constraints kept at the best point: the solver stopped by itself, or did not. With
+"""Outcomes of a start. With the constraints kept at the best point: the solver stopped by itself, or did not. With
 some violated there: the solver stopped by itself, its budget ended, or it raised an error."""
-
-
-@dataclass(frozen=True)
-class SolverOptions:
-    """How each start is solved."""
-
-    algorithm: str = "LD_SLSQP"
-    """Name of a backend."""
-    max_evaluations: int | None = None
-    """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA."""
-    tries: int = 3
-    """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
-    tolerance: float = 1e-4
-    """Scaled violation that counts as feasible: 1 micrometre."""
-    cost_tolerance: float = 1e-6
-    """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
-    projection: Projection = "contacts and clearance"
-    """Target of the projection before the solve."""
-
-    @property
-    def budget(self) -> int:
-        """Evaluations a start.
-
-        Raises:
-            InputError: there is no backend of this name.
-        """
-        return self.max_evaluations or backend_of(self.algorithm).budget
-
-    @property
-    def limits(self) -> Limits:
-        """When a solve may stop."""
-        return Limits(
-            evaluations=self.budget,
-            violation=10.0 * self.tolerance,  # the last digits are polished
-            cost_change=self.cost_tolerance,
-            relative_cost_change=10.0 * self.cost_tolerance,
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the options as JSON data, the budget resolved."""
-        return {**asdict(self), "max_evaluations": self.budget}
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel
+from .options import Projection
 
-Projection = Literal["nothing", "contacts", "contacts and clearance"]
 MAX_STEPS = 30
 DONE = 1e-5
 """Norm of the scaled residual below which a descent is done: 0.1 micrometre."""

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..arrays import Array
-from ..database import Database
+from ..database.store import Database
 from ..geometry.patches import patch_point
 from ..kinematics.batch import BatchKinematics
 from ..kinematics.contacts import contact_kinematics

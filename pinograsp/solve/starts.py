@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.hand_free import hand_free
-from ..database import Configurations, Database, spread_selection
+from ..database.query import Configurations, spread_configurations
+from ..database.store import Database
 from ..geometry.cone import Cone
 from ..kinematics.hand_posture import preshape
 from ..problem import TaskModel
@@ -74,7 +75,7 @@ def _selection(database: Database, model: TaskModel, count: int, seed: int, slac
     approach = model.approach
     cone = None if approach is None else Cone(approach.axis, min(approach.half_angle + slack, math.pi))
     center, radius, joints = model.load.center_of_mass, model.task.start_radius, _intervals(model, slack)
-    return spread_selection(database, center, radius, count, cone=cone, joints=joints, seed=seed)
+    return spread_configurations(database, center, radius, count, cone=cone, joints=joints, seed=seed)
 
 
 def _intervals(model: TaskModel, slack: float) -> dict[str, list[tuple[float, float]]]:

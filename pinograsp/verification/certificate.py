@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Figure:
-    """One recomputed quantity against its limit; one that nothing limits has the limit -inf, "at least"."""
+    """One recomputed quantity against its limit, in `unit`; one that nothing limits has the limit -inf, "at least"."""
 
     name: str
     value: float
@@ -17,7 +17,7 @@ class Figure:
     unit: str
     sense: Literal["at least", "at most"]
     where: str = ""
-    """What the value belongs to: the pair of bodies, the pad or the joint that is nearest to the limit."""
+    """The pair of bodies, the pad or the joint whose value it is: the one that is nearest to the limit."""
 
     @property
     def holds(self) -> bool:

@@ -1,4 +1,4 @@
-"""What a solver claims, in terms that anyone can recompute: joint angles by name, contacts and forces."""
+"""A solver's claim, in terms that anyone can recompute: joint angles by name, contacts and forces."""
 
 from __future__ import annotations
 

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..database import Coverage
-from ..database.coverage import SECTORS
+from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
 from ..disk import write_whole
 from . import camera, colors
@@ -41,7 +40,7 @@ AXIS_COLORS = {"x": 0xD62728, "y": 0x2CA02C, "z": 0x1F4FD8}
 TICKS = (1, 6, 12, 18, 24)
 
 
-def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
+def coverage_png(coverage: Coverage, file: Path | str, title: str) -> None:
     """Write horizontal slices and projections of a coverage as a PNG, 1600 x 900 pixels.
 
     The file is complete or not there; an older one is replaced.
@@ -92,10 +91,10 @@ def coverage_png(coverage: Coverage, file: Path, title: str) -> None:
 
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
-    write_whole(file, picture.getvalue())
+    write_whole(Path(file), picture.getvalue())
 
 
-def coverage_html(coverage: Coverage, file: Path, title: str) -> None:
+def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
     """Write the reached voxels as one HTML file: coloured cubes in the box, to turn with the mouse.
 
     The file is complete or not there; an older one is replaced.
@@ -110,7 +109,7 @@ def coverage_html(coverage: Coverage, file: Path, title: str) -> None:
     """
     recorder = Recorder()
     view = draw_coverage(Visualizer(window=recorder), coverage)
-    write_whole(file, page(title, _panel(coverage, title), recorder.commands, view))
+    write_whole(Path(file), page(title, _panel(coverage, title), recorder.commands, view))
 
 
 def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camera.View]:

@@ -45,7 +45,7 @@ class Remark(NamedTuple):
     remedy: str
 
 
-def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path) -> None:
+def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path | str) -> None:
     """Write a robot as one HTML file: the picture, to turn with the mouse, beside joint sliders and remarks.
 
     The file is complete or not there; an older one is replaced. Links without visual geometry, or whose meshes for show
@@ -67,7 +67,7 @@ def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path) -> Non
         legend(colors.PAD_LEGEND),
         _remarks(remarks),
     )
-    write_whole(file, page(robot.description.name, "\n".join(panel), recorder.commands, views))
+    write_whole(Path(file), page(robot.description.name, "\n".join(panel), recorder.commands, views))
 
 
 def _draw(world: Visualizer, robot: Robot, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:

@@ -16,11 +16,10 @@ import numpy as np
 
 import pinograsp
 from pinograsp.problem import TaskModel
-from pinograsp.solve import LocalSolver, Solution, SolverOptions
 from pinograsp.solve.backends import Limits, Program
 from pinograsp.solve.backends.nlopt import INNER_COST_CHANGE, NLopt
-from pinograsp.solve.local import solution_of
-from pinograsp.solve.projection import Projection
+from pinograsp.solve.local import LocalSolver, Solution, solution_of
+from pinograsp.solve.options import Projection, SolverOptions
 from pinograsp.solve.recorder import Recorder, program_from
 
 from .attempts import Method, as_data, attempt_all, attempts_table, by_options, of_data, postures_of

@@ -25,7 +25,7 @@ import pinograsp
 from pinograsp.execution import own_workers
 from pinograsp.planning.attempt import certify
 from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.verification import Verifier
+from pinograsp.verification.check import Verifier
 
 from . import hand_poses, inverse_kinematics
 from .attempts import postures_of

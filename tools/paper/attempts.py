@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 import pinograsp
-from pinograsp.database import cached_database
+from pinograsp.database.cache import cached_database
 from pinograsp.descriptions import Scene
 from pinograsp.execution import own_workers
 from pinograsp.planning.attempt import Solver, attempts_of
 from pinograsp.problem import TaskModel
-from pinograsp.solve import LocalSolver, SolverOptions, starts_near
+from pinograsp.solve.local import LocalSolver
+from pinograsp.solve.options import SolverOptions
+from pinograsp.solve.starts import starts_near
 
 from .page import Table
 from .runs import near_best

@@ -17,8 +17,8 @@ from threadpoolctl import threadpool_limits
 
 import pinograsp
 from pinograsp.problem import GraspProblem, TaskModel
-from pinograsp.solve import LocalSolver, SolverOptions
-from pinograsp.solve.projection import Projection
+from pinograsp.solve.local import LocalSolver
+from pinograsp.solve.options import Projection, SolverOptions
 
 from .attempts import Attempt, as_data, attempt_all, attempts_table, by_options, of_data, postures_of
 from .cases import Case

@@ -20,7 +20,7 @@ from typing import Any
 import pinograsp
 from pinograsp.descriptions import Scene
 from pinograsp.disk import write_whole
-from pinograsp.results import provenance
+from pinograsp.results.provenance import provenance
 
 Key = dict[str, Any]
 

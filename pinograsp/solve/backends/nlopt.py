@@ -1,7 +1,8 @@
 """NLopt's algorithms as backends.
 
 NLopt raises RoundoffLimited and loses the point, ends with a success code on NaN, and may report success with violated
-constraints; so its result is not looked at, only why it stopped.
+constraints; so its result is not looked at, only why it stopped. The library is imported when something is solved: to
+know the names of the backends it is not needed.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import nlopt
 import numpy as np
 
 from ...arrays import Array
@@ -22,15 +22,16 @@ INNER_COST_CHANGE = 1e-6
 """Relative change of the cost at which a solve inside another stops."""
 INNER_SHARE = 4
 """A solve inside another gets the budget divided by this."""
-_REASONS: dict[int, Reason] = {
-    nlopt.SUCCESS: "converged",
-    nlopt.FTOL_REACHED: "converged",
-    nlopt.XTOL_REACHED: "converged",
-    nlopt.STOPVAL_REACHED: "converged",
-    nlopt.MAXEVAL_REACHED: "budget spent",
-    nlopt.MAXTIME_REACHED: "budget spent",
-    nlopt.ROUNDOFF_LIMITED: "roundoff",
+_REASONS: dict[str, Reason] = {
+    "SUCCESS": "converged",
+    "FTOL_REACHED": "converged",
+    "XTOL_REACHED": "converged",
+    "STOPVAL_REACHED": "converged",
+    "MAXEVAL_REACHED": "budget spent",
+    "MAXTIME_REACHED": "budget spent",
+    "ROUNDOFF_LIMITED": "roundoff",
 }
+"""By NLopt's names of its results."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,8 @@ class NLopt:
         return _run(optimizer, program.start)
 
     def _optimizer(self, program: Program) -> Any:
+        import nlopt
+
         optimizer = nlopt.opt(getattr(nlopt, self.algorithm), len(program.start))
         for name, value in self.parameters:
             optimizer.set_param(name, value)
@@ -74,6 +77,9 @@ class NLopt:
 
 
 def _run(optimizer: Any, start: Array) -> Stop:
+    import nlopt
+
+    reasons = {getattr(nlopt, name): reason for name, reason in _REASONS.items()}
     try:
         optimizer.optimize(start)
     except BudgetSpentError:
@@ -82,7 +88,7 @@ def _run(optimizer: Any, start: Array) -> Stop:
         return Stop("roundoff", "roundoff limits progress")
     except (nlopt.exception, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         return Stop("failed", str(error) or type(error).__name__)
-    return Stop(_REASONS.get(optimizer.last_optimize_result(), "failed"))
+    return Stop(reasons.get(optimizer.last_optimize_result(), "failed"))
 
 
 def _cost(program: Program) -> Callable[[Array, Array], float]:

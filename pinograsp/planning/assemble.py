@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..kinematics.wrist import wrist_pose
 from ..problem import State
+from ..results import Contact, Cost, Grasp
 from ..verification import Certificate, Claim
-from .grasp import Contact, Cost, Grasp
 
 
 def claim_of(state: State) -> Claim:

@@ -1,0 +1,4 @@
+"""Defaults of a plan, apart from what needs a library to be loaded: the command line's help shows them."""
+
+DEFAULT_STARTS = 1304
+"""Number of starts: the paper's."""

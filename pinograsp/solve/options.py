@@ -1,0 +1,52 @@
+"""How a start is solved: a solver, its budget and its tolerances."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from .backends import Limits, backend_of
+
+Projection = Literal["nothing", "contacts", "contacts and clearance"]
+"""Conditions of a grasp that a start is projected on."""
+
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """How each start is solved."""
+
+    algorithm: str = "LD_SLSQP"
+    """Name of a backend."""
+    max_evaluations: int | None = None
+    """Budget of evaluations a solve; None: 200 for LD_SLSQP, 3000 for LN_COBYLA."""
+    tries: int = 3
+    """Solves of a start at most: where the first one fails, another projection leads elsewhere."""
+    tolerance: float = 1e-4
+    """Scaled violation that counts as feasible, no unit: 1e-4 is a micrometre."""
+    cost_tolerance: float = 1e-6
+    """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
+    projection: Projection = "contacts and clearance"
+    """Conditions that a start is projected on before the solve."""
+
+    @property
+    def budget(self) -> int:
+        """Evaluations a start.
+
+        Raises:
+            InputError: there is no backend of this name.
+        """
+        return self.max_evaluations or backend_of(self.algorithm).budget
+
+    @property
+    def limits(self) -> Limits:
+        """When a solve may stop."""
+        return Limits(
+            evaluations=self.budget,
+            violation=10.0 * self.tolerance,  # the last digits are polished
+            cost_change=self.cost_tolerance,
+            relative_cost_change=10.0 * self.cost_tolerance,
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the options as JSON data, the budget resolved."""
+        return {**asdict(self), "max_evaluations": self.budget}

@@ -1,0 +1,174 @@
+"""The public face: its names, and what their documentation owes to whoever reads it."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+import pinograsp
+
+STUB = Path(pinograsp.__file__).with_suffix(".pyi")
+SUBMODULES = ["visualization"]
+OWN = [name for name in pinograsp.__all__ if not name.startswith("_") and name not in SUBMODULES]
+UNIT = re.compile(
+    r"(?<![\w'])(m|mm|mm\^2|N|N m|N mm|rad|rad/s\^2|degrees?|kg|s|seconds?|m/s\^2|m\^3|bytes|N/m|N m/rad|%)(?![\w'])"
+)
+"""A unit, as docstrings write it."""
+UNITLESS = re.compile(r"\b(coefficient|factor|share|parts?|length 1|no unit)\b|`unit`", re.IGNORECASE)
+"""Words for quantities that have none, and for those that say it beside themselves."""
+QUANTITY = re.compile(r"\b(float|Array|\w*Vector3|\w*Interval|Number|Positive|NotNegative|Length)\b")
+"""Annotations of what may have a unit."""
+
+
+@dataclass(frozen=True)
+class Documented:
+    """Something that a reader looks up: what it is called, what says what it is, and whether a unit is due."""
+
+    name: str
+    text: str
+    quantity: bool
+    has_own: bool
+
+
+def _functions() -> Iterator[Documented]:
+    for name in (*OWN, *(f"visualization.{name}" for name in pinograsp.visualization.__all__)):
+        value = _value(name)
+        if inspect.isfunction(value):
+            yield _function(name, value)
+
+
+def _classes() -> Iterator[Documented]:
+    for name in OWN:
+        value = _value(name)
+        if inspect.isclass(value):
+            yield Documented(name, inspect.getdoc(value) or "", False, bool(vars(value).get("__doc__")))
+            yield from _members(name, value)
+
+
+def _value(name: str) -> Any:
+    value: Any = pinograsp
+    for part in name.split("."):
+        value = getattr(value, part)
+    return value
+
+
+def _function(name: str, function: Any) -> Documented:
+    signature = inspect.signature(function)
+    kinds = [str(signature.return_annotation), *(str(p.annotation) for p in signature.parameters.values())]
+    text = inspect.getdoc(function) or ""
+    return Documented(name, text, any(QUANTITY.search(kind) for kind in kinds), bool(function.__doc__))
+
+
+def _members(name: str, defined: type) -> Iterator[Documented]:
+    """Yield methods, properties and fields that the package itself defines, those of base classes included."""
+    seen: set[str] = set()
+    for base in defined.__mro__:
+        if not base.__module__.startswith("pinograsp") or base.__name__ in {"Frozen", "FileRoot"}:
+            continue
+        body = ast.parse(textwrap.dedent(inspect.getsource(base))).body[0]
+        assert isinstance(body, ast.ClassDef)
+        about = inspect.getdoc(base) or ""
+        for part, following in zip(body.body, [*body.body[1:], None], strict=True):
+            if isinstance(part, ast.FunctionDef) and not part.name.startswith("_") and part.name not in seen:
+                seen.add(part.name)
+                kinds = [ast.unparse(a.annotation) for a in (*part.args.args, *part.args.kwonlyargs) if a.annotation]
+                kinds += [ast.unparse(part.returns)] if part.returns else []
+                own = ast.get_docstring(part) or ""
+                quantity = any(QUANTITY.search(kind) for kind in kinds)
+                yield Documented(f"{name}.{part.name}", f"{own} {about}", quantity, bool(own))
+            elif isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name):
+                field = part.target.id
+                if field.startswith("_") or field in seen:
+                    continue
+                seen.add(field)
+                own = ""
+                if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
+                    own = str(following.value.value)
+                quantity = bool(QUANTITY.search(ast.unparse(part.annotation)))
+                yield Documented(f"{name}.{field}", f"{own} {about}", quantity, True)
+
+
+FUNCTIONS = list(_functions())
+CLASSES = list(_classes())
+QUANTITIES = [documented for documented in (*FUNCTIONS, *CLASSES) if documented.quantity]
+
+
+def test_names_are_those_of_the_stub() -> None:
+    """Type checkers, `dir`, `import *` and the lazy loader agree."""
+    imported = {
+        alias.asname: alias.name
+        for node in ast.parse(STUB.read_text()).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert all(name == original for name, original in imported.items())
+    assert sorted(imported) == sorted(pinograsp.__all__) == sorted(dir(pinograsp))
+    assert [name for name in pinograsp.__all__ if name.startswith("_")] == ["__version__"]
+    assert (STUB.parent / "py.typed").is_file()
+
+
+def test_no_module_and_no_name_of_another_package_leaks() -> None:
+    modules = [name for name in pinograsp.__all__ if isinstance(getattr(pinograsp, name), ModuleType)]
+    assert modules == SUBMODULES
+    for name in OWN:
+        value = getattr(pinograsp, name)
+        module = getattr(value, "__module__", type(value).__module__)
+        assert module.startswith("pinograsp") or name == "CRITERIA", f"{name} comes from {module}"
+    assert all(type(criterion) is pinograsp.Criterion for criterion in pinograsp.CRITERIA)
+
+
+def test_every_name_is_a_class_a_function_or_a_constant_with_its_own_docstring() -> None:
+    for name in OWN:
+        value = getattr(pinograsp, name)
+        if not name.isupper():
+            assert inspect.isclass(value) or inspect.isfunction(value), name
+            assert value.__name__ == name
+
+
+@pytest.mark.parametrize("documented", [*FUNCTIONS, *CLASSES], ids=lambda documented: documented.name)
+def test_documented(documented: Documented) -> None:
+    assert documented.has_own, f"{documented.name} has no docstring"
+    first = documented.text.lstrip()
+    assert not first.startswith("What "), f"{documented.name}: {first[:60]!r}: say the noun"
+
+
+@pytest.mark.parametrize("documented", QUANTITIES, ids=lambda documented: documented.name)
+def test_units_are_given(documented: Documented) -> None:
+    """Whatever takes, returns or is a number with a fraction, or an array, has a unit, or a word that it has none."""
+    text = documented.text
+    assert UNIT.search(text) or UNITLESS.search(text), f"{documented.name}: in which unit?\n{text}"
+
+
+@pytest.mark.parametrize("name", [documented.name for documented in FUNCTIONS])
+def test_parameters_are_documented(name: str) -> None:
+    """A function of more than one parameter has a line on each; one of a single parameter may say it in its text."""
+    function = _value(name)
+    parameters = list(inspect.signature(function).parameters)
+    text = inspect.getdoc(function) or ""
+    if len(parameters) > 1:
+        missing = [parameter for parameter in parameters if not re.search(rf"^ +{parameter}: ", text, re.MULTILINE)]
+        assert not missing, f"{name} does not say what these are: {', '.join(missing)}"
+
+
+def test_parameters_of_public_methods_are_documented() -> None:
+    for name in OWN:
+        defined = getattr(pinograsp, name)
+        if not inspect.isclass(defined):
+            continue
+        for method, function in vars(defined).items():
+            function = getattr(function, "__func__", function)
+            if method.startswith("_") or not inspect.isfunction(function):
+                continue
+            parameters = [p for p in inspect.signature(function).parameters if p not in {"self", "cls"}]
+            text = inspect.getdoc(function) or ""
+            missing = [p for p in parameters if not re.search(rf"^ +{p}: ", text, re.MULTILINE)]
+            assert len(parameters) <= 1 or not missing, f"{name}.{method}: {', '.join(missing)}"

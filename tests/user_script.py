@@ -1,0 +1,93 @@
+"""A user's script that touches most of the public face: checked with `mypy --strict` against the wheel, never run."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+import pinograsp
+from pinograsp import Grasp, InputError, Planner, Progress, Result, Robot, Scene
+
+
+def told(progress: Progress) -> None:
+    print(progress.done, progress.total, progress.verified, f"{progress.best_U:.3f}")
+
+
+def planned(robot: Robot, scene: Scene, task: str) -> Result:
+    options = pinograsp.SolverOptions(algorithm="LD_SLSQP", tries=2)
+    return pinograsp.plan(robot, scene, task, starts=100, workers=2, seed=1, options=options, progress=told)
+
+
+def listed(grasps: Iterable[Grasp]) -> list[float]:
+    found: list[float] = []
+    for grasp in grasps:
+        figure: pinograsp.Figure = grasp.certificate["joint reserve"]
+        assert figure.holds and figure.sense == "at least", figure.where
+        found.append(grasp.cost.U + figure.value)
+        for contact in grasp.contacts:
+            print(contact.pad, contact.link, float(np.linalg.norm(contact.force)), contact.point.tolist())
+        print(grasp.joints["joint_1"], grasp.q_arm.shape, grasp.synergy, grasp.T_world_wrist[:3, 3])
+    return found
+
+
+def reported(file: Path) -> None:
+    result = pinograsp.read_json(file)
+    best = result.best
+    if best is None:
+        for kind, blocked in result.blocked.items():
+            print(kind, blocked.starts, blocked.nearest_miss, blocked.unit)
+        return
+    listed(result.ranked("clearance"))
+    for grasp, starts, number in result.different(5):
+        print(grasp.start, starts, number)
+    print([criterion.name for criterion in pinograsp.CRITERIA], len(result.pareto(("U", "clearance"))))
+    differences: tuple[pinograsp.Difference, ...] = pinograsp.verify(result)
+    print([difference.what for difference in differences])
+    pinograsp.write_json(result, str(file) + ".copy")
+    pinograsp.visualization.write_html(result, file.with_suffix(".html"))
+    assessment = pinograsp.assess(best, pinograsp.Errors(position=0.001), samples=20)
+    print(assessment.share, assessment.interval, [margin.size for margin in assessment.margins])
+    outcomes = pinograsp.hold_test(result, 3, options=pinograsp.HoldOptions(acceleration=2.0))
+    print([outcome.held for outcome in outcomes])
+
+
+def own_configurations(robot: Robot, scene: Scene) -> None:
+    with Planner(robot, scene) as planner:
+        for grasp in planner.grasps("sphere", most=2, deadline=1.0):
+            checked = planner.check(grasp.joints, "sphere")
+            print(checked.verified, checked.certificate.refuted_by)
+            for pair in checked.clearances:
+                print(pair.link, pair.other, pair.distance)
+        planner.move("sphere", pinograsp.Pose(position=(0.5, 0.0, 0.2)))
+        verifier = pinograsp.Verifier(robot.description, planner.scene, "sphere")
+        certificate: pinograsp.Certificate = verifier.check(next(planner.grasps("sphere")).claim)
+        print(certificate.verified)
+
+
+def databases(robot: Robot, scene: Scene, folder: Path) -> None:
+    with pinograsp.build_database(robot, scene, folder / "starts.duckdb", size=1000) as database:
+        cone = pinograsp.Cone(np.array([0.0, 0.0, -1.0]), 0.5)
+        near = pinograsp.configurations_near(database, np.array([0.5, 0.0, 0.3]), 0.2, cone=cone)
+        spread = pinograsp.spread_configurations(database, np.array([0.5, 0.0, 0.3]), 0.2, 10)
+        print(near.q.shape, spread.clearances.min(), database.info()["rows"])
+        coverage = pinograsp.Coverage.of(database)
+        pinograsp.visualization.coverage_png(coverage, str(folder / "coverage.png"), "reached")
+        database.export_parquet(str(folder / "starts.parquet"))
+
+
+def main() -> None:
+    print(pinograsp.__version__, sorted(pinograsp.shipped_robots()), sorted(pinograsp.shipped_scenes()))
+    try:
+        robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene(Path("glovebox"))
+    except InputError as error:
+        raise SystemExit(f"{error.file}: {error.key}: {error.problem}. {error.remedy}") from None
+    print(scene.task("sphere").desired_contacts, scene.objects["sphere"].pose.matrix)
+    report = pinograsp.check_robot("gen3_2f85")
+    print(report.wrong, [finding.what for finding in report.findings])
+    result = planned(robot, scene, "sphere")
+    listed(result.grasps)
+    own_configurations(robot, scene)
+
+
+if __name__ == "__main__":
+    main()
