@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
-from ..results import WITHSTAND, Blocked, Result, Setup, merge
+from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
@@ -48,13 +48,21 @@ class Run:
         costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
         return Progress(len(self.attempts), total, len(costs), min(costs, default=float("inf")))
 
-    def result(self) -> Result:
-        """Return the result of what was tried, near-identical grasps as one."""
+    def distinct(self) -> tuple[Grasp, ...]:
+        """Return the grasps that were found, near-identical ones as one."""
+        return merge([attempt.grasp for attempt in self.attempts if attempt.grasp])
+
+    def result(self, grasps: tuple[Grasp, ...]) -> Result:
+        """Return the result of what was tried.
+
+        Args:
+            grasps: the distinct ones with all their figures, in the default order.
+        """
         attempts = self.attempts
         outcomes = Counter(attempt.solution.outcome for attempt in attempts)
         return Result(
             setup=self.setup,
-            grasps=merge([attempt.grasp for attempt in attempts if attempt.grasp]),
+            grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
             verified=sum(1 for attempt in attempts if attempt.grasp),

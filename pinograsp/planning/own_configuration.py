@@ -55,7 +55,7 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
     posture, given = _posture(model.robot, q)
     claim = claim_of(_touching(model, posture))
     claim = replace(claim, joints=claim.joints | given)
-    return ConfigurationCheck(verifier.check(claim), verifier.clearances(claim.joints))
+    return ConfigurationCheck(verifier.certify(claim), verifier.clearances(claim.joints))
 
 
 def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:

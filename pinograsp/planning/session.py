@@ -32,6 +32,7 @@ from ..solve.starts import starts_near
 from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
 from .bound import least_U
 from .defaults import DEFAULT_STARTS
+from .grading import all_graded, graded
 from .outcomes import Progress, Run
 from .own_configuration import Configuration, ConfigurationCheck, checked
 
@@ -146,8 +147,11 @@ class Planner:
                         progress(run.progress(len(postures)))
         except KeyboardInterrupt:
             run.interrupted = True
-        run.times["total"] = time.perf_counter() - began
-        return run.result()
+        searched = time.perf_counter()
+        grasps, whole = all_graded(run.distinct(), model, self._workers)
+        run.interrupted |= not whole
+        run.times |= {"resistance": time.perf_counter() - searched, "total": time.perf_counter() - began}
+        return run.result(grasps)
 
     def grasps(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Iterator[Grasp]:
         """Yield verified grasps as they come, in this process, from the starts whose hand is nearest to the object.
@@ -184,7 +188,7 @@ class Planner:
             if grasp is None:
                 continue
             found += 1
-            yield replace(grasp, setup=setup)
+            yield replace(graded(grasp, verifier), setup=setup)
             if found == most or bound >= grasp.cost.U:
                 return
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,17 +30,6 @@ from .standing_out import standing_out
 from .synergies import Synergies
 
 _LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
-
-
-@dataclass(frozen=True)
-class _Touch:
-    """Where the pads of a claim touch the object."""
-
-    pads: Pads
-    inward: Array
-    """Inward normal of the object at each contact point, shape (contacts, 3)."""
-    areas: Sequence[Array]
-    """Footprint of each contact, world, m, shape (k, 3) each."""
 
 
 class Verifier:
@@ -82,7 +71,7 @@ class Verifier:
         self._obstacle_pairs = [(mesh, obstacle) for mesh in read.moving for obstacle in obstacles]
 
     def check(self, claim: Claim) -> Certificate:
-        """Recompute every figure of a claim, those of its resistance (see `resistance`) too if the mass is known.
+        """Recompute every figure of a claim.
 
         A claim with a number that is not finite gets figures that are all not a number.
 
@@ -94,15 +83,38 @@ class Verifier:
             return Certificate(_unknown(self._figures(self._rest())))
         return Certificate(tuple(self._figures(claim)))
 
+    def certify(self, claim: Claim) -> Certificate:
+        """Recompute every figure of a claim, those of its resistance too, whether or not the task asks for them.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        figures = self.check(claim).figures
+        return Certificate(figures if self._task.withstand is not None else (*figures, *self.resistance(claim)))
+
+    def resistance(self, claim: Claim) -> tuple[Figure, ...]:
+        """Compute how strongly the object may be accelerated, Q_force and Q_torque (see `resistance`).
+
+        None of them if neither the object nor the task's force gives a mass. Only a task that says what is to be
+        withstood has them in its certificates.
+
+        Raises:
+            InputError: a joint is missing, or there is not one contact a pad.
+        """
+        if self._mass is None:
+            return ()
+        finite = _finite(claim)
+        figures = resistance_figures(self.hold(claim if finite else self._rest()), self._mass, self._task.withstand)
+        return figures if finite else _unknown(figures)
+
     def hold(self, claim: Claim) -> Hold:
-        """Return the wrenches that the contacts of a claim balance while the hand squeezes as planned.
+        """Return what wrenches the contacts of a claim balance while the hand squeezes as planned.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
         """
         self._require_complete(claim)
-        poses = self._kinematics.poses(claim.joints)
-        return self._hold(claim, poses, self._touch(claim, poses))
+        return self._hold(claim, self._kinematics.poses(claim.joints))
 
     def drive_torques(self, claim: Claim) -> Array:
         """Return the torques with which the hand's drives exert the forces of a claim, S^T J^T f.
@@ -116,15 +128,12 @@ class Verifier:
         poses = self._kinematics.poses(claim.joints)
         return drive_torques(claim, Pads.at(self._pads, poses), self._pad_rates(poses))
 
-    def _hold(self, claim: Claim, poses: Poses, touch: _Touch) -> Hold:
-        radius = self._target.radius_about(self._center_of_mass)
-        rates = self._pad_rates(poses)
-        return hold_of(claim, touch.pads, touch.areas, rates, self._task, self._center_of_mass, radius)
-
-    def _touch(self, claim: Claim, poses: Poses) -> _Touch:
+    def _hold(self, claim: Claim, poses: Poses) -> Hold:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
-        return _Touch(pads, inward, footprints(claim.points, inward, pads, self._target))
+        areas = footprints(claim.points, inward, pads, self._target)
+        radius = self._target.radius_about(self._center_of_mass)
+        return hold_of(claim, pads, areas, self._pad_rates(poses), self._task, self._center_of_mass, radius)
 
     def _pad_rates(self, poses: Poses) -> list[Array]:
         """Return, of each pad's link, the twist about the world's origin per unit of each synergy, (synergies, 6)."""
@@ -175,14 +184,14 @@ class Verifier:
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
-        placed, touch = Placed(self._robot.meshes, poses), self._touch(claim, poses)
-        figures = [*self._clearances(poses, placed), *self._object_clearances(placed), *self._statics(claim, touch)]
+        placed = Placed(self._robot.meshes, poses)
+        figures = [*self._clearances(poses, placed), *self._object_clearances(placed), *self._statics(claim, poses)]
         figures += self._joints(claim.joints)
         arm = self._robot.arm
         figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
         figures += self._preferences(claim, poses)
-        if self._mass is not None:
-            figures += resistance_figures(self._hold(claim, poses, touch), self._mass, self._task.withstand)
+        if self._task.withstand is not None and self._mass is not None:
+            figures += resistance_figures(self._hold(claim, poses), self._mass, self._task.withstand)
         return figures
 
     def _joints(self, angles: dict[str, float]) -> list[Figure]:
@@ -226,24 +235,26 @@ class Verifier:
         pairs = zip(limits.items(), (self._object_pairs, self._pad_pairs), strict=True)
         return [shape_figure(name, given, placed, limit) for (name, limit), given in pairs if given]
 
-    def _statics(self, claim: Claim, touch: _Touch) -> list[Figure]:
-        pads, inward = touch.pads, touch.inward
+    def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
+        pads = Pads.at(self._pads, poses)
+        inward = np.array([self._target.inward(point) for point in claim.points])
         radius = self._target.radius_about(self._center_of_mass)
         return [
             *contact_figures(claim.points, inward, pads, self._target),
-            *self._region(claim.points, touch),
+            *self._region(claim.points, inward, pads),
             *rim_figures(claim.points, pads, self._target, self._task.reserve.rim),
             *balance_figures(claim, pads.nearest(claim.points)[1], self._center_of_mass, radius, self._task),
             *force_figures(claim, inward, self._pads, self._task),
         ]
 
-    def _region(self, points: Array, touch: _Touch) -> list[Figure]:
+    def _region(self, points: Array, inward: Array, pads: Pads) -> list[Figure]:
         region = self._task.contact_region
         if region is None:
             return []
         if self._task.contact_regions == "point":
-            return [region_figure(points, region, touch.pads, self._target)]
-        return [footprint_figure(touch.areas, region, touch.pads, self._target)]
+            return [region_figure(points, region, pads, self._target)]
+        areas = footprints(points, inward, pads, self._target)
+        return [footprint_figure(areas, region, pads, self._target)]
 
     def _rest(self) -> Claim:
         """Return a claim of zeros, which has every figure."""
