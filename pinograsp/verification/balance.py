@@ -308,11 +308,11 @@ class _Pattern:
     P: Any
     q: Array
     kinds: list[Any]
-    indices: NDArray[np.intp]
+    indices: Indices
     """Row of every number of A, column after column."""
-    starts: NDArray[np.intp]
+    starts: Indices
     """First number of each column of A."""
-    place: NDArray[np.intp]
+    place: Indices
     """Row of A for every row of every program, shape (programs, rows)."""
 
     def filled(self, block: Array, growth: Array, sides: Array) -> tuple[Any, Array]:
