@@ -358,8 +358,10 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: ROOM.with_task("a/b", HOLD), "tasks.a/b", ["slash"]),
     (lambda: ROOM.with_task("a\\b", HOLD), "tasks.a\\b", ["slash"]),
     (lambda: ROOM.with_task("", HOLD), "tasks.", ["at least 1 character"]),
-    (lambda: ROOM.with_task(3, HOLD), "tasks.3", ["a text is wanted"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task(3, HOLD), "name", ["must be of class str, not 3"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", 3), "tasks.hold", ["a block of keys"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task("hold", 3, lock={}), "task", ["must be of class Task, not 3"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_object([], BALL), "name", ["must be of class str, not []"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", lokc={}), "tasks.hold.lokc", ["unknown key", "Did you mean lock"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": NAN}), "tasks.hold.lock.joint_7", ["finite"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": None}), "tasks.hold.lock.joint_7", ["a number", "nothing"]),

@@ -168,7 +168,7 @@ def test_what_is_no_pose_moves_nothing(planner: Planner, pose: Any, message: str
 
 @pytest.mark.parametrize("limits", [{"most": 0}, {"deadline": -1.0}, {"deadline": float("nan")}], ids=str)
 def test_limits_of_a_search_that_make_no_sense(planner: Planner, limits: Any) -> None:
-    with pytest.raises(InputError, match="^(most|deadline): must be (at least|a finite)"):
+    with pytest.raises(InputError, match=r"^(most|deadline): must be (at least|a finite)"):
         next(planner.grasps("sphere", **limits))
 
 
