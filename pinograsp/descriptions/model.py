@@ -18,7 +18,7 @@ class Frozen(BaseModel):
         InputError: (where one is made in Python) a value is wrong; the message names the key.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)  # what is never made costs nothing
 
     def __init__(self, /, **data: Any) -> None:
         try:

@@ -20,7 +20,6 @@ from ..disk import digest
 from ..errors import InputError, UnknownNameError, close_names
 from ..frozen import FrozenMapping, frozen
 from . import locate
-from .files import read_file
 from .hand import ContactModel
 from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
@@ -405,4 +404,7 @@ def load_scene(name: str | Path) -> Scene:
         FileError: the file is missing, cannot be read or is not YAML.
         InputError: a key or value is wrong; the message names file, line and key.
     """
-    return read_file(locate.scene_file(name), Scene)
+    file = locate.scene_file(name)
+    from .files import read_file  # YAML, which those of a result do not need
+
+    return read_file(file, Scene)
