@@ -32,6 +32,8 @@ def jobs(file: Path) -> dict[str, list[str]]:
         "pinograsp --help": ["-m", "pinograsp", "--help"],
         "pinograsp plan --help": ["-m", "pinograsp", "plan", "--help"],
         "pinograsp, no such scene": ["-m", "pinograsp", "plan", "nowhere.yaml", "--task", "none"],
+        "pinograsp rank FILE": ["-m", "pinograsp", "rank", str(file)],
+        "pinograsp show FILE": ["-m", "pinograsp", "show", str(file)],
         "pinograsp list": ["-m", "pinograsp", "list"],
     }
 
