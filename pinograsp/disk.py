@@ -98,3 +98,11 @@ def digest_of(file: Path) -> str:
 def reason_of(error: OSError) -> str:
     """Return what the system says of a failure, in lower case."""
     return (error.strerror or str(error)).lower()
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file: none that this user may not look for, none of a name that the system refuses."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..disk import cache_folder, reason_of
+from ..disk import cache_folder, is_file, reason_of
 from ..errors import FileError, InputError
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
@@ -57,7 +57,7 @@ def _require_writable(folder: Path) -> None:
 
 def _complete(file: Path, identity: Identity) -> Database | None:
     """Return the database of a file, or None if it is not there or not complete."""
-    if not file.is_file():
+    if not is_file(file):
         return None
     database = Database.open(file)
     try:

@@ -17,7 +17,7 @@ from typing import Any
 
 import duckdb
 
-from ..disk import as_path, written_whole
+from ..disk import as_path, is_file, written_whole
 from ..errors import DatabaseMismatchError, FileError
 from .identity import Identity
 
@@ -56,7 +56,7 @@ class Database:
             FileError: the file is missing, damaged, foreign, of another format or in use.
         """
         path = as_path("file", file)
-        if not path.is_file():
+        if not is_file(path):
             raise FileError("no such database", file=path, remedy="Make it with `pinograsp database build`")
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})

@@ -10,6 +10,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
+from ..disk import is_file
 from ..errors import FileError, InputError, close_names
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -34,7 +35,7 @@ def shipped_scenes() -> dict[str, Path]:
 def robot_file(name: str | Path) -> Path:
     """Find a robot file by path (the file or its folder) or by the name of a shipped robot."""
     path = _expanded(name)
-    if _is_file(path / "robot.yaml"):
+    if is_file(path / "robot.yaml"):
         return path / "robot.yaml"
     return _by_path_or_name(path, "robot", shipped_robots())
 
@@ -54,16 +55,8 @@ def _expanded(name: str | Path) -> Path:
         raise InputError(f"a path or a name is wanted, not {name!r}") from None
 
 
-def _is_file(path: Path) -> bool:
-    """Whether a file is there; none has a name that the system cannot take."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
-    if _is_file(path):
+    if is_file(path):
         return path
     parts = [part for part in path.parts if part not in {f"{kind}s", "robot.yaml"}]
     if not path.is_absolute() and len(parts) == 1:
@@ -111,6 +104,6 @@ def resolve(address: str, *, beside: Path, folders: list[Path]) -> Path | None:
     allowed = [home, *(folder.resolve() for folder in folders)]
     for candidate in candidates:
         real = candidate.resolve()
-        if real.is_file() and any(real.is_relative_to(folder) for folder in allowed):
+        if is_file(real) and any(real.is_relative_to(folder) for folder in allowed):
             return real
     return None

@@ -95,7 +95,7 @@ class _Camera:
         self._looks += 1
 
     def close(self) -> None:
-        """Free what drawing needs."""
+        """Free the renderer."""
         if self._drawing is not None:
             self._drawing[1].free()
         self._context.free()

@@ -64,7 +64,7 @@ class HoldOutcome(Record):
     controls: Mapping[str, bool]
     """Whether the negative controls `no squeeze` and `no friction` held, which they must not; empty if not run."""
     seconds: float = field(compare=False)
-    """Seconds of computing time; they do not count in comparisons."""
+    """Computing time, s; it does not count in comparisons."""
 
     @property
     def force_error(self) -> float:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..descriptions.locate import resolve, wheel_share
 from ..descriptions.urdf import parse
+from ..disk import is_file
 from ..errors import FileError
 
 PACKAGE = "package://"
@@ -21,13 +22,13 @@ def find_urdf(address: str, packages: Sequence[Path], option: str) -> Path:
     """
     if not address.startswith(PACKAGE):
         file = Path(address).expanduser()
-        if not file.is_file():
+        if not is_file(file):
             raise FileError("no such file", file=file, key=option)
         return file.resolve()
     folders = [*packages, wheel_share()]
     for folder in folders:
         file = folder / address.removeprefix(PACKAGE)
-        if file.is_file():
+        if is_file(file):
             return file.resolve()
     looked = ", ".join(str(folder) for folder in folders)
     remedy = f"Looked in {looked}; name further folders with --packages"

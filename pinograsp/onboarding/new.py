@@ -10,7 +10,7 @@ from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..descriptions.values import Vector3
-from ..disk import write_whole
+from ..disk import is_file, write_whole
 from ..errors import FileError, InputError
 from ..kinematics.tree import UrdfTree
 from .addresses import address_of, find_urdf, needed_packages
@@ -106,7 +106,7 @@ def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Comp
 
 def refuse_existing(output: Path, *, replace: bool) -> None:
     """Raise an InputError if a robot file is there that is not to be replaced."""
-    if output.exists() and not replace:
+    if is_file(output) and not replace:
         raise InputError("exists already", file=output, key="--out", remedy="Use --force to replace it")
 
 

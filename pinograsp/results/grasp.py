@@ -20,11 +20,11 @@ class Cost(Record):
     """The cost index (10): U = phi_mm2 + k V."""
 
     U: float
-    """The cost index; mm^2 plus k times a pure number, as the paper has it."""
+    """The cost index, in the paper's unit: mm^2, with k in mm^2."""
     phi_mm2: float
     """Sum of the squared distances of contact points from their desired points, mm^2."""
     V: float
-    """Cost of the contact forces (A7), a pure number."""
+    """Cost of the contact forces (A7); no unit."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,27 +8,29 @@ from .. import notebook
 from ..units import shown_in
 from ..verification.certificate import PairClearance
 from .configuration_check import ConfigurationCheck
-from .criteria import CRITERIA, numbers_of
+from .criteria import CRITERIA, Criterion, numbers_of
 from .grasp import Contact, Grasp
 from .ranking import SCORE
 from .result import Result
 from .table import outcome_lines
 
-COLUMNS = tuple(criterion for criterion in CRITERIA if criterion.heading)
-"""Criteria that have a column in lists of grasps."""
+
+def columns() -> list[Criterion]:
+    """Return the criteria that have a column in lists of grasps."""
+    return [criterion for criterion in CRITERIA if criterion.heading]
 
 
 def result_html(result: Result) -> str:
     """Return a result: the best grasps that differ, and how the starts ended."""
     caption = f"{result.setup}: {result.verified} of {result.done} starts verified"
-    headings = ["", "found", *(f"{criterion.heading} {criterion.shown_unit}".strip() for criterion in COLUMNS)]
+    headings = ["", "found", *(f"{criterion.heading} {criterion.shown_unit}".strip() for criterion in columns())]
     rows = [notebook.row(cells) for cells in grasp_rows(result)]
     listed = notebook.table(caption, rows, headings)
     return listed + notebook.table("Starts", [notebook.row([line]) for line in outcome_lines(result)])
 
 
 def grasp_rows(result: Result, by: str = SCORE, most: int = 10) -> list[list[str]]:
-    """Return the best grasps that differ from each other as cells: number in the result, starts, and `COLUMNS`.
+    """Return the best grasps that differ from each other as cells: number in the result, starts, and `columns`.
 
     Args:
         result: with any number of grasps.
@@ -40,7 +42,7 @@ def grasp_rows(result: Result, by: str = SCORE, most: int = 10) -> list[list[str
     """
     numbers = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
     return [
-        [str(numbers[id(grasp)]), f"{starts}x", *(criterion.cell(numbers_of(grasp)) for criterion in COLUMNS)]
+        [str(numbers[id(grasp)]), f"{starts}x", *(criterion.cell(numbers_of(grasp)) for criterion in columns())]
         for grasp, starts, _ in result.different(most, by)
     ]
 

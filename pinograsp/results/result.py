@@ -53,7 +53,7 @@ class Result(Record):
     interrupted: bool = False
     """Whether Ctrl-C ended the search."""
     times: Mapping[str, float] = field(default_factory=dict, compare=False)
-    """Seconds per stage; `solver_mean` is the mean of one start on one core. They do not count in comparisons."""
+    """Time of each stage, s; `solver_mean` is the mean of one start on one core. It does not count in comparisons."""
     provenance: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()

@@ -37,9 +37,9 @@ class Difference(Record):
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
-    """What the result says; None: nothing."""
+    """Number or word in the result; None: nothing."""
     recomputed: Any
-    """What follows from the rest; None: nothing."""
+    """The same as it follows from the rest; None: nothing."""
 
 
 def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:

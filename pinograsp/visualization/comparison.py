@@ -7,7 +7,7 @@ from html import escape
 from ..results.configuration_check import ConfigurationCheck
 from ..results.criteria import CRITERIA, numbers_of
 from ..results.grasp import Grasp
-from ..results.html import COLUMNS, clearance_cells, grasp_rows
+from ..results.html import clearance_cells, columns, grasp_rows
 from ..results.ranking import SCORE
 from ..results.result import Result
 
@@ -23,7 +23,7 @@ def grasp_list(result: Result, by: str = SCORE, most: int = 10) -> str:
     Raises:
         InputError: there is no such criterion or figure.
     """
-    headings = "".join(f"<th>{escape(c.heading)}<small>{escape(c.shown_unit)}</small></th>" for c in COLUMNS)
+    headings = "".join(f"<th>{escape(c.heading)}<small>{escape(c.shown_unit)}</small></th>" for c in columns())
     shown = grasp_rows(result, by, most)
     rows = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in shown]
     order = "" if by == SCORE else f" by {by}"
