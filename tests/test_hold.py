@@ -20,10 +20,11 @@ from conftest import TOY_SCENE, TOY_URDF, RobotFactory, SceneFactory
 from PIL import Image
 
 import pinograsp
-from pinograsp import HoldOptions, HoldOutcome, InputError, Progress, cli, hold_test
+from pinograsp import HoldOptions, HoldOutcome, InputError, MissingExtraError, Progress, cli, hold_test
 from pinograsp.descriptions import Scene
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
+from pinograsp.hold.library import pillow
 from pinograsp.hold.mjcf import BEHIND, OBJECT, HandAndObject
 from pinograsp.hold.simulation import Simulation
 from pinograsp.hold.write import write_mjcf
@@ -262,8 +263,14 @@ def test_ctrl_c_gives_what_is_done(result: Result) -> None:
 
 def test_without_mujoco(grasp: Grasp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(InputError, match=r"pip install 'pinograsp\[hold\]'"):
+    with pytest.raises(MissingExtraError, match=r"^the hold test needs MuJoCo. Run pip install 'pinograsp\[hold\]'$"):
         hold_test(grasp)
+
+
+def test_without_pillow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(MissingExtraError, match=r"^a film needs Pillow. Run pip install 'pinograsp\[hold\]'$"):
+        pillow()
 
 
 @pytest.mark.parametrize(
