@@ -339,7 +339,8 @@ def test_cached_database_is_built_once(
         file, rows = database.file, database.rows()
     of_build = [report for report in reports if report.stage == "start database"]
     assert [report.done for report in of_build] == sorted({report.done for report in of_build})
-    assert (of_build[-1].done, reports[-1]) == (of_build[-1].total, Progress("sorting", 0, of_build[-1].done))
+    assert of_build[-1].done == of_build[-1].total >= rows
+    assert reports[-1] == Progress("sorting", 0, rows)
     assert all(report.numbers["rows per second"] > 0.0 for report in of_build)
     assert file.parent == tmp_path
     changed = file.stat().st_mtime_ns
@@ -363,7 +364,7 @@ def test_command_line(
     file = tmp_path / "cli.duckdb"
     assert "configurations in" in run("build", str(file), "--scene", "glovebox", "--size", "1e3")
     facts = json.loads(run("info", str(file), "--json"))
-    assert f"rows: {facts['rows']}\n" in run("info", str(file))
+    assert f"rows: {facts['rows']:,}\n" in run("info", str(file))
     assert facts["rows"] >= 1000
     assert facts["joints"] == [f"joint_{i}" for i in range(1, 8)]
     center = ("--center", "0.6", "0.0", "0.0")

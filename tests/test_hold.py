@@ -263,7 +263,11 @@ def test_ctrl_c_gives_what_is_done(result: Result) -> None:
 
 def test_without_mujoco(grasp: Grasp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
+<<<<<<< HEAD
     with pytest.raises(MissingExtraError, match=r"^the hold test needs MuJoCo. Run pip install 'pinograsp\[hold\]'$"):
+=======
+    with pytest.raises(MissingExtraError, match=r"pip install 'pinograsp\[hold\]'"):
+>>>>>>> p4
         hold_test(grasp)
 
 
@@ -291,7 +295,7 @@ def test_options_that_make_no_sense(wrong: dict[str, Any], key: str) -> None:
 def test_input_that_cannot_be_used(grasp: Grasp, make_grasp: MakeGrasp) -> None:
     with pytest.raises(InputError, match="best"):
         hold_test(grasp, 0)
-    with pytest.raises(InputError, match="start 7"):
+    with pytest.raises(InputError, match="^grasp: belongs to no result"):
         hold_test(replace(grasp, setup=None))
     with pytest.raises(InputError, match=r"objects\.ball\.mass"):
         hold_test(make_grasp(wrench={"force": [0.0, 0.0, 0.0]}), workers=1)
@@ -376,7 +380,7 @@ def test_command_line(
     assert "grasps hold" not in output  # nothing was simulated for it
     code, output = run("--spin", "inf")
     assert code == 2
-    assert "options.spin: must be at least 0 and finite, not inf" in output
+    assert "options.spin: must be a finite number, not inf" in output
 
 
 def _plain(data: Any) -> Any:
