@@ -263,11 +263,7 @@ def test_ctrl_c_gives_what_is_done(result: Result) -> None:
 
 def test_without_mujoco(grasp: Grasp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-<<<<<<< HEAD
     with pytest.raises(MissingExtraError, match=r"^the hold test needs MuJoCo. Run pip install 'pinograsp\[hold\]'$"):
-=======
-    with pytest.raises(MissingExtraError, match=r"pip install 'pinograsp\[hold\]'"):
->>>>>>> p4
         hold_test(grasp)
 
 
