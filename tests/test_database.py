@@ -37,7 +37,6 @@ from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.progress import Progress
-from pinograsp.tables import drawn
 from pinograsp.verification.check import Verifier
 
 SIZE = 9_000
@@ -389,7 +388,7 @@ def test_table_of_configurations_fits(width: int) -> None:
     found = Configurations(
         np.full((2, 9), -math.pi), np.full((2, 3), -9.999), np.full((2, 3), -1.0), np.full(2, 0.05), np.arange(2)
     )
-    lines = drawn(configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width), width).splitlines()
+    lines = configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width).drawn(width).splitlines()
     assert max(map(len, lines)) <= width
     text = "\n".join(lines)
     assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)

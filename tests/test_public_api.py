@@ -167,7 +167,7 @@ def test_parameters_of_public_methods_are_documented() -> None:
         defined = getattr(pinograsp, name)
         if not inspect.isclass(defined):
             continue
-        for method, function in vars(defined).items():
+        for method, function in list(vars(defined).items()):
             function = getattr(function, "__func__", function)
             if method.startswith("_") or hasattr(BaseModel, method) or not inspect.isfunction(function):
                 continue

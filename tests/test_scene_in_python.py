@@ -291,11 +291,14 @@ def test_nothing_of_a_scene_can_be_changed() -> None:
 
 
 def test_copies_are_as_immutable() -> None:
+    assert ROOM.mounting.matrix[3, 3] == 1.0  # computed before it is copied
     for again in (pickle.loads(pickle.dumps(ROOM)), copy.deepcopy(ROOM), ROOM.model_copy(), ROOM.model_copy(deep=True)):
         assert again == ROOM
         assert again.digest == ROOM.digest
         with pytest.raises(TypeError, match="does not support item assignment"):
             again.objects["other"] = BALL  # type: ignore[index]
+        with pytest.raises(ValueError, match="read-only"):
+            again.mounting.matrix[0] = 1.0
     assert type(ROOM.model_dump()["objects"]) is dict
 
 
@@ -355,8 +358,10 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: ROOM.with_task("a/b", HOLD), "tasks.a/b", ["slash"]),
     (lambda: ROOM.with_task("a\\b", HOLD), "tasks.a\\b", ["slash"]),
     (lambda: ROOM.with_task("", HOLD), "tasks.", ["at least 1 character"]),
-    (lambda: ROOM.with_task(3, HOLD), "tasks.3", ["a text is wanted"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task(3, HOLD), "name", ["must be of class str, not 3"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", 3), "tasks.hold", ["a block of keys"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task("hold", 3, lock={}), "task", ["must be of class Task, not 3"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_object([], BALL), "name", ["must be of class str, not []"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", lokc={}), "tasks.hold.lokc", ["unknown key", "Did you mean lock"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": NAN}), "tasks.hold.lock.joint_7", ["finite"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": None}), "tasks.hold.lock.joint_7", ["a number", "nothing"]),

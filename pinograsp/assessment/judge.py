@@ -29,7 +29,6 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..descriptions.pose import Pose
-from ..errors import InputError
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
 from ..results import Grasp
@@ -56,9 +55,7 @@ class Judge:
     """
 
     def __init__(self, grasp: Grasp) -> None:
-        if grasp.setup is None:
-            raise InputError("belongs to no result", key="grasp", remedy="Take one of `Result.grasps`")
-        self.grasp, self.setup = grasp, grasp.setup
+        self.grasp, self.setup = grasp, grasp.required_setup
         robot, scene = self.setup.robot, self.setup.scene
         self.task = scene.task(self.setup.task)
         self.body = scene.objects[self.task.object]
@@ -78,7 +75,7 @@ class Judge:
         return Draw.none(self.task.contact.friction, len(self.grasp.q_arm))
 
     def verdict(self, draw: Draw) -> Verdict:
-        """Return what a set of errors does to the grasp."""
+        """Return the effect of a set of errors on the grasp."""
         closed = self._closed(draw)
         if closed.left:
             return Verdict(OFF_PAD, "", -math.inf, False)
@@ -119,7 +116,7 @@ class Judge:
         return self.closing.closed(self.grasp.q_arm + draw.joints, T)
 
     def _claim(self, closed: Closed) -> Claim:
-        """Return what the verification judges: planned forces, gone along with the pads, at the planned squeeze."""
+        """Return the claim that the verification judges: planned forces moved with the pads, at the planned squeeze."""
         planned = self.grasp.claim
         turned = closed.rotations @ self.closing.planned.rotations.transpose(0, 2, 1)
         forces = np.einsum("nij,nj->ni", turned, planned.forces)

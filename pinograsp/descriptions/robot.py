@@ -16,7 +16,6 @@ from pydantic import Field, field_validator, model_validator
 
 from . import locate
 from .composition import Composition
-from .files import read_file
 from .hand import HandDescription, PadDescription, StiffnessDescription
 from .model import Frozen
 from .values import Interval, Name, Positive, Table, empty, ordered, unknown, wrong
@@ -103,7 +102,10 @@ def load_robot_description(name: str | Path) -> RobotDescription:
     Raises:
         InputError: the file, its URDF or its SRDF is missing, or a key or value is wrong.
     """
-    description = read_file(locate.robot_file(name), RobotDescription)
+    file = locate.robot_file(name)
+    from .files import read_file  # YAML, which those of a result do not need
+
+    description = read_file(file, RobotDescription)
     _ = description.files
     return description
 

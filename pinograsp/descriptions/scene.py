@@ -18,10 +18,9 @@ from pydantic import BeforeValidator, Field, ValidationError, field_validator, m
 from .. import notebook
 from ..arrays import Array
 from ..disk import digest
-from ..errors import InputError, UnknownNameError, close_names
+from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
 from . import locate
-from .files import read_file
 from .hand import ContactModel
 from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
@@ -207,7 +206,10 @@ class Task(Frozen):
     Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
     """
     lock: Table[Name, Number] = Field(default_factory=empty)
-    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve."""
+    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve.
+
+    Whole turns of a continuous joint do not count. A joint may have a range, too, which then has to hold the value.
+    """
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
     start_radius: Positive = 0.3
@@ -341,7 +343,7 @@ class Scene(FileRoot):
         """
         self._require("object", name, self.objects)
         there = pose if isinstance(pose, Pose) else Pose.of(pose)
-        return self.changed(objects={**self.objects, name: {**self.objects[name].fields(), "pose": there}})
+        return self._with("objects", name, {**self.objects[name].fields(), "pose": there})
 
     def with_object(self, name: str, object: Object) -> Self:
         """Return the scene with an object more, or with another one of a name.
@@ -353,7 +355,7 @@ class Scene(FileRoot):
         Raises:
             InputError: an obstacle has this name, or it is no object.
         """
-        return self.changed(objects={**self.objects, name: object})
+        return self._with("objects", name, object)
 
     def with_obstacle(self, name: str, body: Body) -> Self:
         """Return the scene with an obstacle more, or with another one of a name.
@@ -365,7 +367,7 @@ class Scene(FileRoot):
         Raises:
             InputError: an object has this name, or it is no body.
         """
-        return self.changed(obstacles={**self.obstacles, name: body})
+        return self._with("obstacles", name, body)
 
     def with_task(self, name: str, task: Task | None = None, **changes: Any) -> Self:
         """Return the scene with a task more, or with another one of a name.
@@ -381,8 +383,9 @@ class Scene(FileRoot):
         """
         if task is None:
             task = self.task(name)
-        changed = {**task.fields(), **changes} if changes else task
-        return self.changed(tasks={**self.tasks, name: changed})
+        if changes:
+            require_kind("task", task, Task)
+        return self._with("tasks", name, {**task.fields(), **changes} if changes else task)
 
     def changed(self, **fields: Any) -> Self:
         """Return the scene with some fields replaced, validated as a file is.
@@ -401,6 +404,10 @@ class Scene(FileRoot):
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
+
+    def _with(self, table: str, name: str, part: object) -> Self:
+        require_kind("name", name, str)
+        return self.changed(**{table: {**getattr(self, table), name: part}})
 
     @classmethod
     def _made(cls, content: Mapping[str, Any]) -> Self:
@@ -422,7 +429,10 @@ def load_scene(name: str | Path) -> Scene:
         FileError: the file is missing, cannot be read or is not YAML.
         InputError: a key or value is wrong; the message names file, line and key.
     """
-    return read_file(locate.scene_file(name), Scene)
+    file = locate.scene_file(name)
+    from .files import read_file  # YAML, which those of a result do not need
+
+    return read_file(file, Scene)
 
 
 def _in_brackets(numbers: Iterable[float]) -> str:

@@ -18,7 +18,6 @@ from ..results import Grasp
 from .library import mujoco
 from .mjcf import OBJECT, TIMESTEP, HandAndObject
 from .options import HoldOptions
-from .run import setup_of
 from .simulation import LOOK_STEPS, Simulation
 
 _SIZE = (640, 480)
@@ -50,7 +49,7 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
     """
     file = film_file(file)
     options = options or HoldOptions()
-    model = HandAndObject(setup_of(grasp), options).model(grasp, shown=True)
+    model = HandAndObject(grasp.required_setup, options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
     simulation = Simulation(model, options, look=camera.look)
     try:
@@ -95,7 +94,7 @@ class _Camera:
         self._looks += 1
 
     def close(self) -> None:
-        """Free what drawing needs."""
+        """Free the renderer."""
         if self._drawing is not None:
             self._drawing[1].free()
         self._context.free()

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import InputError, require_kind, whole_number
+from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
@@ -82,22 +82,11 @@ def in_order(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
     return tuple(grasps)
 
 
-def setup_of(grasp: Grasp) -> Setup:
-    """Return robot, scene and task of a grasp.
-
-    Raises:
-        InputError: it does not know them.
-    """
-    if grasp.setup is None:
-        raise InputError(f"the grasp of start {grasp.start} does not say of which robot and task it is")
-    return grasp.setup
-
-
 def _outcomes(workers: Workers, numbered: Sequence[Numbered], options: HoldOptions) -> Iterator[HoldOutcome]:
     """Yield outcomes in any order; grasps of one setup that follow each other are sent together."""
-    for _, group in itertools.groupby(numbered, key=lambda item: id(setup_of(item[1]))):
+    for _, group in itertools.groupby(numbered, key=lambda item: id(item[1].required_setup)):
         items = list(group)
-        prepare = partial(HoldTest, setup_of(items[0][1]), options)
+        prepare = partial(HoldTest, items[0][1].required_setup, options)
         bare = [(number, replace(grasp, setup=None)) for number, grasp in items]
         with closing(workers.run(prepare, bare, chunk=1)) as running:
             yield from running

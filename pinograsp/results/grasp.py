@@ -110,7 +110,8 @@ class Grasp(Record):
             InputError: they are not known.
         """
         if self.setup is None:
-            raise InputError("the grasp belongs to no result: its robot and its scene are not known")
+            problem = "belongs to no result: its robot and its scene are not known"
+            raise InputError(problem, key="grasp", remedy="Take one of `Result.grasps`")
         return self.setup
 
     @property
