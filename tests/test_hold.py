@@ -291,7 +291,7 @@ def test_options_that_make_no_sense(wrong: dict[str, Any], key: str) -> None:
 def test_input_that_cannot_be_used(grasp: Grasp, make_grasp: MakeGrasp) -> None:
     with pytest.raises(InputError, match="best"):
         hold_test(grasp, 0)
-    with pytest.raises(InputError, match="^grasp: belongs to no result"):
+    with pytest.raises(InputError, match=r"^grasp: belongs to no result"):
         hold_test(replace(grasp, setup=None))
     with pytest.raises(InputError, match=r"objects\.ball\.mass"):
         hold_test(make_grasp(wrench={"force": [0.0, 0.0, 0.0]}), workers=1)
