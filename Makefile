@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: demo test test-slow lint benchmark paper clean
+.PHONY: demo test test-slow lint docs benchmark paper clean
 
 demo: $(STAMP)
 	$(BIN)/pinograsp plan scenes/glovebox.yaml --task sphere --starts 1304 --seed 0
@@ -21,6 +21,10 @@ lint: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# Into out/site; nothing is fetched, neither now nor by a reader. --strict: a warning is an error.
+docs: $(STAMP)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
 benchmark: $(STAMP)
 	$(BIN)/python tools/benchmark.py
 
@@ -31,7 +35,7 @@ paper: $(STAMP)
 $(STAMP): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --editable '.[dev,docs]'
 	touch $(STAMP)
 
 clean:

@@ -5,7 +5,6 @@ from .assessment.assess import assess as assess
 from .assessment.errors import Errors as Errors
 from .assessment.outcome import Assessment as Assessment
 from .assessment.outcome import Margin as Margin
-from .database.build import BuildProgress as BuildProgress
 from .database.build import build_database as build_database
 from .database.coverage import Coverage as Coverage
 from .database.query import configurations_near as configurations_near
@@ -39,8 +38,13 @@ from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box
 from .descriptions.shapes import Cylinder as Cylinder
 from .descriptions.shapes import Sphere as Sphere
+from .errors import DatabaseMismatchError as DatabaseMismatchError
+from .errors import FileError as FileError
 from .errors import InputError as InputError
+from .errors import MissingExtraError as MissingExtraError
 from .errors import PinograspError as PinograspError
+from .errors import TaskError as TaskError
+from .errors import UnknownNameError as UnknownNameError
 from .errors import WorkerLostError as WorkerLostError
 from .geometry.cone import Cone as Cone
 from .hold.options import HoldOptions as HoldOptions
@@ -53,10 +57,11 @@ from .onboarding.check import check_robot as check_robot
 from .onboarding.findings import Finding as Finding
 from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
+from .planning.one_shot import check as check
 from .planning.one_shot import plan as plan
-from .planning.outcomes import Progress as Progress
-from .planning.own_configuration import ConfigurationCheck as ConfigurationCheck
 from .planning.session import Planner as Planner
+from .progress import Progress as Progress
+from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA
 from .results.criteria import Criterion as Criterion
 from .results.different import Different as Different
@@ -73,7 +78,7 @@ from .results.setup import Setup as Setup
 from .solve.options import SolverOptions as SolverOptions
 from .verification.certificate import Certificate as Certificate
 from .verification.certificate import Figure as Figure
+from .verification.certificate import PairClearance as PairClearance
 from .verification.check import Verifier as Verifier
 from .verification.claim import Claim as Claim
-from .verification.pair_clearances import PairClearance as PairClearance
 from .version import __version__ as __version__

@@ -1,12 +1,35 @@
-"""Array helpers that several layers share."""
+"""Types of arrays, one definition each, and helpers that several layers share."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+"""Indices of arrays."""
+Integers = NDArray[np.int64]
+"""Integers that are stored or handed to other libraries."""
+Mask = NDArray[np.bool_]
+
+
+def real_array(name: str, numbers: ArrayLike, *shape: int) -> Array:
+    """Return finite numbers that were given as the argument of a name, as an array of a shape.
+
+    Raises:
+        InputError: they are no numbers, not finite, or of another shape.
+    """
+    try:
+        array = np.asarray(numbers, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"must be numbers of shape {shape}, not {numbers!r}", key=name) from None
+    if array.shape != shape:
+        raise InputError(f"has shape {array.shape}, not {shape}", key=name)
+    if not np.isfinite(array).all():
+        raise InputError("holds a number that is not finite", key=name)
+    return array
 
 
 def skew(vectors: Array) -> Array:

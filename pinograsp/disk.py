@@ -1,13 +1,15 @@
-"""Files: written whole or not at all, told apart by their content, and the folder for what can be computed again."""
+"""Files: read with errors in words, written whole or not at all, told apart by their content; the cache folder."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import InputError
+from .errors import FileError, InputError, require_kind
 
 
 def cache_folder() -> Path:
@@ -27,22 +29,56 @@ def cache_folder() -> Path:
         raise InputError(problem, remedy=remedy) from None
 
 
-def write_whole(file: Path, content: str | bytes) -> None:
-    """Write a file, text as UTF-8, so that a reader finds the old one or the whole new one; its folder is made.
+def as_path(name: str, file: Path | str) -> Path:
+    """Return a path that was given as the argument of a name.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: it is none.
     """
-    data = content.encode("utf-8") if isinstance(content, str) else content
+    require_kind(name, file, Path, str)
+    return Path(file)
+
+
+def content_of(file: Path) -> bytes:
+    """Return the content of a file.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise FileError(f"cannot be read: {reason_of(error)}", file=file, remedy="Check the path") from None
+
+
+@contextmanager
+def written_whole(file: Path) -> Iterator[Path]:
+    """Give a path to write to; a reader finds the old file, or the new one once the block has ended without an error.
+
+    The folder is made.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=file.parent) as folder:
             unfinished = Path(folder) / file.name
-            unfinished.write_bytes(data)
+            yield unfinished
             unfinished.replace(file)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None
+        raise FileError(f"cannot be written: {reason_of(error)}", file=file, remedy="Check the folder") from None
+
+
+def write_whole(file: Path, content: str | bytes) -> None:
+    """Write a file, text as UTF-8, whole or not at all.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    with written_whole(file) as unfinished:
+        unfinished.write_bytes(data)
 
 
 def digest(content: bytes) -> str:
@@ -51,5 +87,22 @@ def digest(content: bytes) -> str:
 
 
 def digest_of(file: Path) -> str:
-    """Return the SHA-256 of a file's content, in hexadecimal."""
-    return digest(file.read_bytes())
+    """Return the SHA-256 of a file's content, in hexadecimal.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    return digest(content_of(file))
+
+
+def reason_of(error: OSError) -> str:
+    """Return what the system says of a failure, in lower case."""
+    return (error.strerror or str(error)).lower()
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is a file: none that this user may not look for, none of a name that the system refuses."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

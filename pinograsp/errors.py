@@ -1,11 +1,24 @@
-"""Errors that a user can mend: each names the file, the key, what is wrong and what to do.
+"""The errors that pinograsp raises on purpose.
 
-A search that finds nothing is not an error; it is a `Result` without grasps that says what blocked it.
+    PinograspError
+        InputError                  a file, a key or an argument cannot be used as given
+            UnknownNameError        nothing has this name; a KeyError, too
+            FileError               a file is missing, unreadable, unwritable, damaged or of another format
+            DatabaseMismatchError   a start database belongs to another robot, enclosure or margin
+            TaskError               a task that cannot be meant with this robot and scene
+        MissingExtraError           an optional dependency is not installed
+        WorkerLostError             worker processes ended
+
+Each input error names the file, the key, what is wrong and what to do. A search that finds nothing is not an error; it
+is a `Result` without grasps that says what blocked it.
 """
 
 from __future__ import annotations
 
+import math
 import operator
+import reprlib
+from collections.abc import Iterable
 from pathlib import Path
 
 
@@ -16,7 +29,8 @@ class PinograspError(Exception):
 class InputError(PinograspError):
     """A file, a key or an argument that cannot be used as given.
 
-    The message reads `file:line: key: problem. remedy`, with the parts that are known.
+    The message reads `file:line: key: problem. remedy`, with the parts that are known; each is an attribute, too, None
+    if it is not known.
     """
 
     def __init__(
@@ -38,16 +52,58 @@ class InputError(PinograspError):
         super().__init__(where + what + (f". {remedy}" if remedy else ""))
 
     def __reduce__(self) -> tuple[object, ...]:
+        """Keep class and parts when the error crosses from a worker process."""
+        return (_rebuild, (type(self), self.problem, self.file, self.line, self.key, self.remedy))
+
+
+class UnknownNameError(InputError, KeyError):
+    """A name that nothing has; the remedy lists close ones."""
+
+    def __str__(self) -> str:
+        """Return the message, which a `KeyError` would put in quotation marks."""
+        return str(self.args[0])
+
+
+class FileError(InputError):
+    """A file that is missing, cannot be read or written, is damaged, or is of another format."""
+
+
+class DatabaseMismatchError(InputError):
+    """A start database that belongs to another robot, enclosure or margin; the message says in what it differs."""
+
+
+class TaskError(InputError):
+    """A task that cannot be meant with its robot and scene, as where nothing can touch the region of its contacts."""
+
+
+class MissingExtraError(PinograspError):
+    """An optional dependency that is not installed.
+
+    The message gives the command that installs it.
+
+    Args:
+        purpose: what needs it, such as "the hold test".
+        package: its name.
+        extra: of pinograsp that brings it.
+    """
+
+    def __init__(self, purpose: str, package: str, extra: str) -> None:
+        self.purpose, self.package, self.extra = purpose, package, extra
+        super().__init__(f"{purpose} needs {package}. Run pip install 'pinograsp[{extra}]'")
+
+    def __reduce__(self) -> tuple[object, ...]:
         """Keep the parts when the error crosses from a worker process."""
-        return (_rebuild, (self.problem, self.file, self.line, self.key, self.remedy))
+        return (type(self), (self.purpose, self.package, self.extra))
 
 
 class WorkerLostError(PinograspError):
-    """A worker process ended twice over the same piece of work: killed, out of memory, or a library crashed."""
+    """A worker process that ended twice over the same piece of work: killed, out of memory, or a library crashed."""
 
 
-def _rebuild(problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None) -> InputError:
-    return InputError(problem, file=file, line=line, key=key, remedy=remedy)
+def _rebuild(
+    kind: type[InputError], problem: str, file: Path | None, line: int | None, key: str | None, remedy: str | None
+) -> InputError:
+    return kind(problem, file=file, line=line, key=key, remedy=remedy)
 
 
 def whole_number(name: str, number: int, least: int, most: int | None = None) -> int:
@@ -67,11 +123,42 @@ def whole_number(name: str, number: int, least: int, most: int | None = None) ->
     return whole
 
 
-def close_names(name: str, known: list[str]) -> str:
-    """Return a remedy that lists the names closest to `name` among `known`."""
+def real_number(name: str, number: float, least: float = -math.inf, most: float = math.inf) -> float:
+    """Return a finite number, NumPy's too, that was given as the argument of a name.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    try:
+        real = float(number)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"must be a number, not {number!r}", key=name) from None
+    if not math.isfinite(real):
+        raise InputError(f"must be a finite number, not {real}", key=name)
+    if real < least:
+        raise InputError(f"must be at least {least:g}, not {real:g}", key=name)
+    if real > most:
+        raise InputError(f"must be at most {most:g}, not {real:g}", key=name)
+    return real
+
+
+def require_kind(name: str, value: object, *kinds: type, remedy: str | None = None) -> None:
+    """Refuse what was given as the argument of a name and is of no class that is wanted.
+
+    Raises:
+        InputError: it is of none.
+    """
+    if not isinstance(value, kinds):
+        wanted = " or ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
+
+
+def close_names(name: object, known: Iterable[str]) -> str:
+    """Return a remedy that lists the names closest to `name` among those known."""
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=3, cutoff=0.5)
+    names = list(known)
+    close = get_close_matches(str(name), names, n=3, cutoff=0.5)
     if close:
         return f"Did you mean {' or '.join(close)}?"
-    return f"Known: {', '.join(sorted(known)[:12])}" if known else "None is defined"
+    return f"Known: {', '.join(sorted(names)[:12])}" if names else "None is defined"

@@ -16,6 +16,7 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 import pinograsp
+from pinograsp.cli import reporters
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
 from pinograsp.collision.solids import link_bodies
@@ -36,6 +37,14 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Start databases of this session, and of processes that it starts, are kept apart from the user's."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PINOGRASP_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_progress() -> Iterator[None]:
+    """Commands that run in this process write no line of progress: what they write does not depend on their speed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reporters, "INTERVAL", math.inf)
         yield
 
 

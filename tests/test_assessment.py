@@ -6,7 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +16,10 @@ from conftest import TOY_URDF, Array, RobotFactory, SceneFactory, differences
 from scipy.spatial.transform import Rotation
 
 import pinograsp
-from pinograsp import Errors, InputError, assess, cli
+from pinograsp import Errors, InputError, Progress, assess, cli
 from pinograsp.assessment.closing import Closing, moved
-from pinograsp.assessment.errors import draws
+from pinograsp.assessment.errors import FRICTION as FRICTION_PARTS
+from pinograsp.assessment.errors import SAMPLES, draws
 from pinograsp.assessment.judge import Judge
 from pinograsp.assessment.margins import KINDS, margin_of
 from pinograsp.assessment.outcome import wilson
@@ -39,6 +40,9 @@ SOFT = {"model": "soft_finger", "torsion_radius": TORSION, "torsional_stiffness"
 BALL = {"type": "sphere", "radius": RADIUS}
 BOX = {"type": "box", "size": [2 * RADIUS, 0.03, 0.02]}
 CAN = {"type": "cylinder", "radius": RADIUS, "height": 0.03}
+
+NAMES = "toy_room_ball_toy"
+"""How files about the toy in its scene begin."""
 
 Make = Callable[..., Grasp]
 
@@ -76,6 +80,7 @@ def grasp_of(toy: Robot, setup: Setup) -> Grasp:
             force=np.array([-sign * SQUEEZE, 0.0, 0.5 * WEIGHT]),
             spin_torque=0.0,
             desired_point=np.array([MIDDLE + sign * RADIUS, 0.0, 0.22]),
+            T_world_pad=np.eye(4),
         )
         for side, sign in (("left", 1.0), ("right", -1.0))
     )
@@ -339,14 +344,38 @@ def test_seed_and_workers(make_grasp: Make) -> None:
     one = assess(grasp, errors, samples=20, seed=4, workers=1).to_json()
     assert one == assess(grasp, errors, samples=20, seed=4, workers=2).to_json()
     assert one != assess(grasp, errors, samples=20, seed=5, workers=1).to_json()
-    assert 0 < one["samples"]["holding"] < 20
+    assert 0 < one["holding"] < 20
     assert json.loads(json.dumps(one, allow_nan=False)) == one
 
 
+def test_json_has_the_attributes(make_grasp: Make) -> None:
+    found = assess(make_grasp(), Errors(position=0.006, friction=(0.2, 0.6)), samples=12, seed=4, workers=1)
+    data = found.to_json()
+    properties = {"done", "holding", "share", "interval", "causes", "off_region", "worst"}
+    assert data.keys() == {field.name for field in fields(found)} | properties
+    assert data["errors"] == {"friction": [0.2, 0.6], "position": 0.006} | {
+        name: found.to_json()["errors"][name] for name in ("orientation", "weight", "center_of_mass", "joint")
+    }
+    assert (data["asked"], data["done"], data["holding"]) == (12, 12, found.holding)
+    assert data["interval"] == list(found.interval)
+    assert data["causes"] == found.causes
+    assert [sample["verdict"]["holds"] for sample in data["samples"]] == [s.verdict.holds for s in found.samples]
+    assert data["samples"][3]["errors"]["position"] == found.samples[3].errors.position.tolist()
+    assert found.worst is not None
+    assert data["worst"]["number"] == found.worst.number
+    assert [margin["size"] for margin in data["margins"]] == [margin.size for margin in found.margins]
+    assert data["without_errors"]["holds"] is True
+    for margin in found.margins:
+        assert found.margin(margin.kind) is margin
+    with pytest.raises(KeyError, match=r"there is no 'positions'\. Did you mean position"):
+        found.margin("positions")
+    with pytest.raises(ValueError, match="read-only"):
+        found.samples[0].errors.position[0] = 0.0
+
+
 def test_interrupted(make_grasp: Make) -> None:
-    def stop(done: int, total: int) -> None:
-        assert total == 10 + len(KINDS)
-        if done == 4:
+    def stop(progress: Progress) -> None:
+        if progress == Progress("samples", 4, 10):
             raise KeyboardInterrupt
 
     found = assess(make_grasp(), samples=10, workers=1, progress=stop)
@@ -463,19 +492,19 @@ def run(
 
 
 def test_command(run: Any, tmp_path: Path) -> None:
-    options = ["--samples", 8, "--workers", 1, "--position", 9, "--friction", 0.05, 0.6, "--json", "out/found.json"]
+    options = ["--samples", 8, "--workers", 1, "--position", 9, "--friction", 0.05, 0.6, "--out", "out"]
     code, output, errors = run("--grasp", 1, *options)
     assert (code, errors) == (0, "")
-    found = json.loads((tmp_path / "out" / "found.json").read_text())
+    found = json.loads((tmp_path / "out" / f"{NAMES}_grasp1_assessment.json").read_text())
     assert found["errors"]["position"] == pytest.approx(0.009)
     assert found["errors"]["friction"] == [0.05, 0.6]
-    assert found["grasp"] == 1
-    assert f"{found['samples']['holding']} of 8 samples hold" in output
+    assert found["number"] == 1
+    assert f"{found['holding']} of 8 samples hold" in output
     for cause, count in found["causes"].items():
         assert any(cause in line and str(count) in line for line in output.splitlines())
     assert "from 0.33" in output
     assert "mm" in output
-    assert "written: out/found.json\n" in output
+    assert f"written: out/{NAMES}_grasp1_assessment.json\n" in output
 
 
 @pytest.mark.parametrize("number", [0, 2, -1])
@@ -484,6 +513,26 @@ def test_grasp_out_of_range(run: Any, number: int) -> None:
     assert (code, output) == (2, "")
     assert f"result.json: --grasp: no grasp {number}: there are 1, numbered from 1" in errors
     assert errors.count("\n") == 1
+
+
+def test_json_is_what_python_has(run: Any, make_grasp: Make) -> None:
+    code, output, errors = run("--samples", 4, "--workers", 1, "--json")
+    assert (code, errors) == (0, "")
+    names = {"robot": "toy", "scene": "toy_room", "task": "ball", "number": 1}
+    assert json.loads(output) == names | assess(make_grasp(), samples=4, workers=1).to_json()
+
+
+def test_defaults_in_the_help_are_those_of_errors(run: Any) -> None:
+    _, output, _ = run("--help")
+    words = " ".join(output.split())
+    errors = Errors()
+    assert f"sets of errors that are drawn. [default: ({SAMPLES})" in words.lower()
+    assert f"position, mm. [default: ({1e3 * errors.position:g})" in words
+    assert f"orientation, degrees. [default: ({math.degrees(errors.orientation):g})" in words
+    assert f"Factors of the load. [default: ({errors.weight[0]} and {errors.weight[1]})" in words
+    assert f"centre of mass, mm. [default: ({1e3 * errors.center_of_mass:g})" in words
+    assert f"sliding ones, mm. [default: ({1e3 * errors.joint:g})" in words
+    assert f"[default: ({FRICTION_PARTS[0]} and {FRICTION_PARTS[1]} times the task's)]" in words
 
 
 def test_bad_size_on_the_command_line(run: Any) -> None:

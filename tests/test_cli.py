@@ -25,6 +25,7 @@ SCENE = shipped_scenes()["glovebox"].read_text()
 COMMAND = [sys.executable, "-c", "from pinograsp.cli import main; main()"]
 
 Run = Callable[..., tuple[int, str, str]]
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 
 
 @pytest.fixture
@@ -139,27 +140,36 @@ def test_folder_that_cannot_be_made_is_refused_before_the_work(run: Run, tmp_pat
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "words"),
     [
-        ["plan", "glovebox"],
-        ["plan", "glovebox", "--task", "sphere", "--starts", "0"],
-        ["plan", "glovebox", "--task", "sphere", "--starts", "many"],
-        ["plan", "glovebox", "--task", "sphere", "--workers", "0"],
-        ["plan", "glovebox", "--task", "sphere", "--seed", "-1"],
-        ["plan", "glovebox", "--task", "sphere", "--algorithm", "LN_BOBYQA"],
-        ["plan", "glovebox", "--task", "sphere", "--rank-by", "beauty"],
-        ["plan", "glovebox", "--task", "sphere", "--no-such-option"],
-        ["schema", "task"],
-        ["paint"],
+        (["plan", "glovebox"], "--task"),
+        (["plan", "glovebox", "--task", "sphere", "--starts", "0"], "--starts"),
+        (["plan", "glovebox", "--task", "sphere", "--starts", "many"], "--starts"),
+        (["plan", "glovebox", "--task", "sphere", "--workers", "0"], "--workers"),
+        (["plan", "glovebox", "--task", "sphere", "--seed", "-1"], "--seed"),
+        (["plan", "glovebox", "--task", "sphere", "--strats", "3"], "--starts"),
+        (["schema", "task"], "robot"),
+        (["paint"], "paint"),
     ],
-    ids=lambda arguments: " ".join(arguments[-2:]),
+    ids=lambda value: " ".join(value[-2:]) if isinstance(value, list) else "",
 )
-def test_usage_error(run: Run, arguments: list[str]) -> None:
+def test_wrong_use_is_one_line(run: Run, arguments: list[str], words: str) -> None:
     code, output, errors = run(*arguments)
-    assert code == 2
-    assert output == ""
-    assert "Usage: pinograsp" in errors
-    assert "Traceback" not in errors
+    message = refused((code, output, errors))
+    command = f" {arguments[0]}" if arguments[0] in ("plan", "schema") else ""
+    assert message.endswith(f". See pinograsp{command} --help\n")
+    assert words in message
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "words"),
+    [
+        ("--algorithm", "LN_COBYLLA", "algorithm: no solver 'LN_COBYLLA'. Did you mean LN_COBYLA?"),
+        ("--rank-by", "clearence", "--rank-by: no order is called 'clearence'. Did you mean clearance?"),
+    ],
+)
+def test_names_that_there_are_not(run: Run, option: str, name: str, words: str) -> None:
+    assert words in refused(run("plan", "glovebox", "--task", "sphere", option, name))
 
 
 # Runs.
@@ -170,17 +180,18 @@ def test_good_run(run: Run, tmp_path: Path) -> None:
     code, output, errors = run("plan", "glovebox", "--task", "sphere", "--starts", 12, "--workers", 1, "--out", folder)
     assert code == 0
     assert errors == ""
-    result = pinograsp.read_json(folder / "glovebox_sphere.json")
+    result = pinograsp.read_json(folder / "glovebox_sphere_gen3_2f85.json")
     assert result.done == result.starts == 12
     assert result.best is not None
     assert f" different of {len(result.grasps)} distinct grasps, gen3_2f85 in glovebox" in output
     assert f"{result.verified} of 12 starts verified" in output
     assert f"{result.best.cost.U:.4g}" in output
-    page = folder / "glovebox_sphere.html"
+    page = folder / "glovebox_sphere_gen3_2f85.html"
     assert "<html" in page.read_text()[:1000].lower()
-    for file in (folder / "glovebox_sphere.json", page):
+    for file in (folder / "glovebox_sphere_gen3_2f85.json", page):
         assert f"written: {file}\n" in output  # in one piece, however long
-    assert sorted(folder.iterdir()) == sorted([folder / "glovebox_sphere.json", page])
+    assert output.splitlines()[-1] == f"written: {page}"
+    assert sorted(folder.iterdir()) == sorted([folder / "glovebox_sphere_gen3_2f85.json", page])
 
 
 @pytest.fixture(scope="module")
@@ -198,26 +209,35 @@ def test_order_of_table_and_page_is_that_of_one_criterion(
     run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """The file keeps its own."""
-    monkeypatch.setattr("pinograsp.cli.plan.plan", lambda *_, **__: planned)
+    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
     code, output, errors = run("plan", "glovebox", "--task", "sphere", "--rank-by", "clearance")
     assert (code, errors) == (0, "")
     rows = [line.split() for line in output.splitlines() if re.match(r" *\d+ +\d+x ", line)]
     assert [(row[0], row[4]) for row in rows] == [("3", "12.0"), ("2", "11.0"), ("1", "10.0")]
-    assert "by clearance" in output
-    page = (tmp_path / "out" / "glovebox_sphere.html").read_text()
+    assert "by clearance" in " ".join(output.split())
+    page = (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").read_text()
     assert "3 distinct grasps by clearance; the first is drawn" in page
     assert re.search(r"<tr><td>3</td><td>1x</td>.*<td>12.0</td>", page)
-    written = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
+    written = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere_gen3_2f85.json")
     assert [grasp.start for grasp in written.grasps] == [grasp.start for grasp in planned.grasps]
 
 
 def test_an_order_by_what_no_grasp_has_says_so(
     run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pinograsp.cli.plan.plan", lambda *_, **__: planned)
+    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
     for name, said in (("Q", True), ("clearance", False), ("score", False)):
-        _, output, _ = run("plan", "glovebox", "--task", "sphere", "--rank-by", name, "--no-html")
-        assert ("warning: no grasp has Q; the order is that of score" in output) == said
+        _, _, errors = run("plan", "glovebox", "--task", "sphere", "--rank-by", name, "--no-html")
+        assert ("warning: no grasp has Q; the order is that of score" in errors) == said
+
+
+def test_a_file_that_is_replaced_is_said_to_be(
+    run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
+    for done in ("written", "replaced"):
+        _, output, _ = run("plan", "glovebox", "--task", "sphere", "--no-html")
+        assert output.endswith(f"\n{done}: out/glovebox_sphere_gen3_2f85.json\n")
 
 
 def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:
@@ -228,7 +248,7 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     assert errors == ""
     assert "No verified grasp was found." in output
     assert "0 of 4 starts verified" in output
-    result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere.json")
+    result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere_gen3_2f85.json")
     assert result.best is None
     assert sum(blocked.starts for blocked in result.blocked.values()) == 4
     assert "wall" in result.blocked["enclosure clearance"].where
@@ -236,7 +256,7 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     for kind, blocked in result.blocked.items():
         assert f"blocked by {kind}: {blocked.starts} starts, nearest miss" in output
     assert "wall z=-0.237" in output
-    assert not (tmp_path / "out" / "glovebox_sphere.html").exists()
+    assert not (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").exists()
 
 
 def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:
@@ -256,9 +276,10 @@ def test_list_and_schema(run: Run) -> None:
     assert "scene glovebox: " in output
     assert "tasks: sphere" in output
     for kind in ("robot", "scene"):
-        code, output, _ = run("schema", kind)
-        assert code == 0
-        assert json.loads(output) == schema(kind)  # type: ignore[arg-type]
+        for options in ((), ("--json",)):
+            code, output, _ = run("schema", kind, *options)
+            assert code == 0
+            assert json.loads(output) == schema(kind)  # type: ignore[arg-type]
 
 
 # Real processes.
@@ -288,58 +309,81 @@ def group_members(group: int) -> list[int]:
 
 
 CTRL_C_STARTS = 1000
-PLAN_WITH_A_SIGN = """
+COMMAND_WITH_A_SIGN = """
 import sys
 from pathlib import Path
 from pinograsp import cli
-from pinograsp.cli.progress_bar import ProgressBar
+from pinograsp.cli.reporters import Lines
 
-def sign(bar, progress, real=ProgressBar.__call__):
-    real(bar, progress)
-    if getattr(progress, "verified", 0):
+STAGE = sys.argv.pop(1)
+
+def sign(lines, progress, real=Lines.__call__):
+    real(lines, progress)
+    if progress.stage == STAGE and progress.done:
         Path("begun").touch()
 
-ProgressBar.__call__ = sign
+Lines.__call__ = sign
 cli.main()
 """
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
-    arguments = [
-        "plan",
-        "glovebox",
-        "--task",
-        "sphere",
-        "--starts",
-        str(CTRL_C_STARTS),
-        "--workers",
-        "2",
-        "--no-html",
-    ]
-    with (tmp_path / "output").open("w") as output:
+def interrupted(folder: Path, stage: str, *arguments: object) -> tuple[int, str]:
+    """Run a command of two processes in a folder until a stage goes on, press Ctrl-C, and return code and output."""
+    with (folder / "output").open("w") as output:
         process = subprocess.Popen(
-            [sys.executable, "-c", PLAN_WITH_A_SIGN, *arguments],
-            cwd=tmp_path,
+            [sys.executable, "-c", COMMAND_WITH_A_SIGN, stage, *map(str, arguments), "--workers", "2"],
+            cwd=folder,
             stdout=output,
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
     try:
         deadline = time.monotonic() + 120
-        while not (tmp_path / "begun").exists() and process.poll() is None and time.monotonic() < deadline:
-            time.sleep(0.05)
+        while not (folder / "begun").exists() and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.02)
         assert len(group_members(process.pid)) == 3
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         code = process.wait(120)
-        said = (tmp_path / "output").read_text()
-        assert code == 130, said
-        assert "Traceback" not in said
         assert group_members(process.pid) == []
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
+    said = (folder / "output").read_text()
+    assert "Traceback" not in said
+    return code, said
+
+
+@needs_proc
+def test_ctrl_c_while_grading_keeps_every_grasp(tmp_path: Path) -> None:
+    code, said = interrupted(
+        tmp_path, "resistance", "plan", "glovebox", "--task", "sphere", "--starts", 40, "--no-html"
+    )
+    assert code == 130, said
+    (written,) = (tmp_path / "out").iterdir()
+    result = pinograsp.read_json(written)
+    assert result.interrupted
+    assert result.done == 40
+    assert sum(grasp.count for grasp in result.grasps) == result.verified > 20
+    graded = sum("Q_force" in grasp.certificate for grasp in result.grasps)
+    assert 0 < graded < len(result.grasps)
+    assert "interrupted: the resistance of some grasps is not known" in said
+
+
+@needs_proc
+def test_ctrl_c_is_one_line_where_there_is_nothing_to_keep(tmp_path: Path) -> None:
+    code, said = interrupted(
+        tmp_path, "start database", "database", "build", "box.duckdb", "--scene", "glovebox", "--size", "1e6"
+    )
+    assert code == 130, said
+    assert said.splitlines()[-1] == "error: interrupted; the same command goes on where box.duckdb ends"
+
+
+@needs_proc
+def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
+    arguments = ["plan", "glovebox", "--task", "sphere", "--starts", CTRL_C_STARTS, "--no-html"]
+    code, said = interrupted(tmp_path, "starts", *arguments)
+    assert code == 130, said
     (written,) = (tmp_path / "out").iterdir()
     result = pinograsp.read_json(written)
     assert result.interrupted

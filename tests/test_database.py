@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -18,6 +19,7 @@ from conftest import collision_model
 
 import pinograsp
 from pinograsp.cli import main
+from pinograsp.cli.database import configurations_table
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.world import CLEARANCES
@@ -26,7 +28,7 @@ from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.coverage import Coverage
 from pinograsp.database.lock import building
-from pinograsp.database.query import configurations_near, spread_configurations
+from pinograsp.database.query import Configurations, configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
 from pinograsp.database.store import Database
 from pinograsp.descriptions.scene import Enclosure, Margins
@@ -34,6 +36,7 @@ from pinograsp.errors import InputError
 from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
+from pinograsp.progress import Progress
 from pinograsp.verification.check import Verifier
 
 SIZE = 9_000
@@ -331,10 +334,14 @@ def test_cached_database_is_built_once(
 ) -> None:
     monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
     monkeypatch.setattr(cache_module, "SIZE", 3000)
-    reports: list[Any] = []
+    reports: list[Progress] = []
     with cached_database(gen3, glovebox, Margins(), workers=1, progress=reports.append) as database:
         file, rows = database.file, database.rows()
-    assert reports
+    of_build = [report for report in reports if report.stage == "start database"]
+    assert [report.done for report in of_build] == sorted({report.done for report in of_build})
+    assert of_build[-1].done == of_build[-1].total >= rows
+    assert reports[-1] == Progress("sorting", 0, rows)
+    assert all(report.numbers["rows per second"] > 0.0 for report in of_build)
     assert file.parent == tmp_path
     changed = file.stat().st_mtime_ns
     reports.clear()
@@ -355,14 +362,34 @@ def test_command_line(
         return capsys.readouterr().out
 
     file = tmp_path / "cli.duckdb"
-    assert "configurations in" in run("build", "--out", str(file), "--scene", "glovebox", "--size", "1e3")
-    facts = json.loads(run("info", str(file)))
+    assert "configurations in" in run("build", str(file), "--scene", "glovebox", "--size", "1e3")
+    facts = json.loads(run("info", str(file), "--json"))
+    assert f"rows: {facts['rows']:,}\n" in run("info", str(file))
     assert facts["rows"] >= 1000
     assert facts["joints"] == [f"joint_{i}" for i in range(1, 8)]
     center = ("--center", "0.6", "0.0", "0.0")
     assert "5 configurations" in run("query", str(file), *center, "--radius", "0.3", "--count", "5")
     cone = ("--cone", "0", "0", "-1", "--angle", "40")
     assert "3 configurations" in run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone)
-    assert "written" in run("export", str(file), "--out", str(tmp_path / "rows.parquet"))
-    assert "the wrist reaches" in run("coverage", str(file), "--voxel", "0.1", "--png", str(tmp_path / "c.png"))
-    assert (tmp_path / "c.png").stat().st_size > 10_000
+    rows = json.loads(run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone, "--json"))
+    assert rows["joints"] == facts["joints"]
+    assert np.shape(rows["q"]) == (3, 7)
+    assert (np.linalg.norm(np.array(rows["positions"]) - [0.6, 0.0, 0.0], axis=1) <= 0.4).all()
+    parquet = str(tmp_path / "rows.parquet")
+    assert f"written: {parquet}\n" in run("export", str(file), parquet)
+    assert f"replaced: {parquet}\n" in run("export", str(file), parquet)
+    covered = run("coverage", str(file), "--voxel", "0.1", "--png", "--out", str(tmp_path))
+    assert "the wrist reaches" in covered
+    assert f"written: {tmp_path / 'cli_coverage.png'}\n" in covered
+    assert (tmp_path / "cli_coverage.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("width", [80, 60])
+def test_table_of_configurations_fits(width: int) -> None:
+    found = Configurations(
+        np.full((2, 9), -math.pi), np.full((2, 3), -9.999), np.full((2, 3), -1.0), np.full(2, 0.05), np.arange(2)
+    )
+    lines = configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width).drawn(width).splitlines()
+    assert max(map(len, lines)) <= width
+    text = "\n".join(lines)
+    assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)

@@ -186,9 +186,14 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
             ("approach: {direction: [0, 0, -1]}", "approach.angle", ["missing"]),
             ("approach: {direction: [0, 0, -1], angle: 1, frame: wrist}", "approach.frame", ["'world' or 'object'"]),
             ("approach: {direction: [0, 0, -1], angel: 1}", "approach.angel", ["unknown key", "mean angle"]),
-            ("joint_ranges: {joint_6: [0.5, -1.5]}", "joint_ranges.joint_6", ["0.5 is not below", "-1.5"]),
+            ("joint_ranges: {joint_6: [0.5, -1.5]}", "joint_ranges.joint_6", ["0.5 is above", "-1.5"]),
             ("joint_ranges: {joint_6: 0.5}", "joint_ranges.joint_6", ["a list in [brackets]"]),
             ("joint_ranges: [joint_6]", "joint_ranges", ["block of keys"]),
+            ("lock: {joint_6: [0, 0]}", "lock.joint_6", ["a number is wanted", "[0, 0]"]),
+            ("lock: {joint_6: .nan}", "lock.joint_6", ["finite"]),
+            ("lock: {joint_6: true}", "lock.joint_6", ["a number is wanted"]),
+            ("lock: joint_6", "lock", ["block of keys"]),
+            ("locked: {joint_6: 0}", "locked", ["unknown key", "Did you mean lock"]),
             ("allowed_contacts: {type: band, z: [0, 1], x: 2}", "allowed_contacts.x", ["unknown key", "z"]),
             ("allowed_contacts: {type: band, z: [1, 0]}", "allowed_contacts.z", ["1 is not below", "end 0"]),
         ]
@@ -562,6 +567,13 @@ def test_schema_refuses_it_too(case: tuple[str, str, str, str, str, list[str]]) 
     kind, old, new, *_ = case
     content = yaml.safe_load(changed(ROBOT if kind == "robot" else SCENE, old, new))
     assert not jsonschema.Draft202012Validator(schema(kind)).is_valid(content)  # type: ignore[arg-type]
+
+
+def test_keys_that_come_from_elsewhere_are_named_with_the_line_of_their_block(tmp_path: Path) -> None:
+    """YAML's `<<` takes keys from another block: they have no line of their own where they count."""
+    text = changed(SCENE, "tasks:\n", "tasks:\n  other: {<<: {object: sphere, wrnch: 1}}\n")
+    error = refused("scene", tmp_path / "scene.yaml", text)
+    assert (error.key, error.line) == ("tasks.other.wrnch", line_of(text, "  other:"))
 
 
 def test_a_copy_with_changes_forgets_what_was_computed(glovebox: Any) -> None:

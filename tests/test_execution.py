@@ -25,7 +25,6 @@ from pinograsp.execution.packed import KEPT
 from pinograsp.planning.attempt import Attempt, attempts_of
 from pinograsp.planning.one_shot import plan
 from pinograsp.problem import TaskModel
-from pinograsp.results.encoding import encode_grasp
 from pinograsp.solve.local import LocalSolver
 
 ITEMS = list(range(40))
@@ -261,7 +260,7 @@ def content(attempts: Iterator[Attempt]) -> list[tuple[Any, ...]]:
     """Everything that attempts came to except times."""
     ordered = sorted(attempts, key=lambda attempt: attempt.solution.start)
     return [
-        (s.outcome, s.x.tobytes(), s.evaluations, None if a.grasp is None else encode_grasp(a.grasp))
+        (s.outcome, s.x.tobytes(), s.evaluations, None if a.grasp is None else a.grasp.to_json())
         for a in ordered
         for s in (a.solution,)
     ]

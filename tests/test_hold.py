@@ -5,10 +5,11 @@ Most of it with the toy: a jaw whose right finger moves 1.25 times as far as the
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,11 @@ from conftest import TOY_SCENE, TOY_URDF, RobotFactory, SceneFactory
 from PIL import Image
 
 import pinograsp
-from pinograsp import HoldOptions, HoldOutcome, InputError, cli, hold_test
+from pinograsp import HoldOptions, HoldOutcome, InputError, MissingExtraError, Progress, cli, hold_test
 from pinograsp.descriptions import Scene
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
+from pinograsp.hold.library import pillow
 from pinograsp.hold.mjcf import BEHIND, OBJECT, HandAndObject
 from pinograsp.hold.simulation import Simulation
 from pinograsp.hold.write import write_mjcf
@@ -69,6 +71,7 @@ def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> MakeGrasp:
                 force=np.array([-side * SQUEEZE, 0.0, WEIGHT / 2]),
                 spin_torque=0.0,
                 desired_point=np.zeros(3),
+                T_world_pad=np.eye(4),
             )
             for name, side in sides
         )
@@ -130,6 +133,18 @@ def test_a_grasp_of_the_ball_holds(outcome: HoldOutcome) -> None:
     assert [pad.planned for pad in outcome.pads] == [SQUEEZE, SQUEEZE]
     assert outcome.force_error < 0.01
     assert (outcome.grasp, outcome.start, outcome.predicted) == (1, 7, 16.7)
+
+
+def test_json_has_the_attributes(outcome: HoldOutcome) -> None:
+    data = json.loads(json.dumps(outcome.to_json(), allow_nan=False))
+    assert data.keys() == {field.name for field in fields(outcome)}
+    assert data["controls"] == {"no squeeze": False, "no friction": False}
+    assert data["pads"] == [{"pad": pad.pad, "planned": pad.planned, "measured": pad.measured} for pad in outcome.pads]
+    assert outcome.first_slip is not None
+    assert data["first_slip"]["acceleration"] == outcome.first_slip.acceleration
+    assert (data["start"], data["held"], data["failed"]) == (7, True, [])
+    with pytest.raises(TypeError, match="item assignment"):
+        outcome.controls["no squeeze"] = True  # type: ignore[index]
 
 
 def test_the_controls_drop_it(outcome: HoldOutcome) -> None:
@@ -231,11 +246,11 @@ def test_a_planned_grasp_of_the_real_robot(gen3: Robot, glovebox: Scene) -> None
 
 
 def test_outcomes_do_not_depend_on_the_run(result: Result, outcome: HoldOutcome) -> None:
-    seen: list[int] = []
+    seen: list[Progress] = []
     options = HoldOptions(controls=True, first_slip=True)
-    found = hold_test(result, workers=2, options=options, progress=lambda progress: seen.append(progress.done))
+    found = hold_test(result, workers=2, options=options, progress=seen.append)
     assert found == (outcome, replace(outcome, grasp=2))
-    assert seen == [1, 2]
+    assert seen == [Progress("grasps", number, 2, {"held": number}) for number in (1, 2)]
     assert len(hold_test(result, 1, workers=1)) == 1
 
 
@@ -248,8 +263,14 @@ def test_ctrl_c_gives_what_is_done(result: Result) -> None:
 
 def test_without_mujoco(grasp: Grasp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(InputError, match=r"pip install 'pinograsp\[hold\]'"):
+    with pytest.raises(MissingExtraError, match=r"^the hold test needs MuJoCo. Run pip install 'pinograsp\[hold\]'$"):
         hold_test(grasp)
+
+
+def test_without_pillow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(MissingExtraError, match=r"^a film needs Pillow. Run pip install 'pinograsp\[hold\]'$"):
+        pillow()
 
 
 @pytest.mark.parametrize(
@@ -270,7 +291,7 @@ def test_options_that_make_no_sense(wrong: dict[str, Any], key: str) -> None:
 def test_input_that_cannot_be_used(grasp: Grasp, make_grasp: MakeGrasp) -> None:
     with pytest.raises(InputError, match="best"):
         hold_test(grasp, 0)
-    with pytest.raises(InputError, match="start 7"):
+    with pytest.raises(InputError, match=r"^grasp: belongs to no result"):
         hold_test(replace(grasp, setup=None))
     with pytest.raises(InputError, match=r"objects\.ball\.mass"):
         hold_test(make_grasp(wrench={"force": [0.0, 0.0, 0.0]}), workers=1)
@@ -326,12 +347,22 @@ def test_command_line(
         captured = capsys.readouterr()
         return int(ended.value.code or 0), captured.out + captured.err
 
-    code, output = run("--controls", "--mjcf", "model.xml")
+    names = f"{result.scene}_{result.task}_{result.robot}"
+    code, output = run("--controls", "--mjcf", "--out", "out")
     assert code == 0
     assert "2 of 2 grasps hold" in output
-    assert "3.00 3.00" in output
+    assert output.count("3.00  3.00") == 4  # of two grasps, measured and planned
     assert "control with no squeeze: drops every object" in output
-    assert (tmp_path / "model.xml").exists()
+    assert f"written: out/{names}_grasp1.xml\n" in output
+    assert (tmp_path / "out" / f"{names}_grasp1.xml").exists()
+    written = json.loads((tmp_path / "out" / f"{names}_hold.json").read_text())
+    code, output = run("--controls", "--json")
+    assert code == 0
+    found = json.loads(output)
+    for outcome in (*found["outcomes"], *written["outcomes"]):
+        assert outcome.pop("seconds") > 0.0
+    assert found == written
+    assert [outcome["grasp"] for outcome in found["outcomes"]] == [1, 2]
     code, output = run("--grasp", "2", "--acceleration", "20", "--spin", "0")
     assert code == 1
     assert "0 of 1 grasps hold" in output
@@ -339,13 +370,13 @@ def test_command_line(
     code, output = run("--grasp", "3")
     assert code == 2
     assert "--grasp: no grasp 3: there are 2, numbered from 1" in output
-    code, output = run("--film", "hold.mp4")
+    code, output = run("--film")
     assert code == 2
-    assert "hold.mp4: a film is a GIF" in output
+    assert "--film: is a file to write. Give its folder with --out" in output
     assert "grasps hold" not in output  # nothing was simulated for it
     code, output = run("--spin", "inf")
     assert code == 2
-    assert "options.spin: must be at least 0 and finite, not inf" in output
+    assert "options.spin: must be a finite number, not inf" in output
 
 
 def _plain(data: Any) -> Any:

@@ -69,16 +69,16 @@ result = pinograsp.read_json(sys.argv[1])
 best = result.best
 assert best is not None and result.ranked("U")[0].cost.U <= best.cost.U
 assert result.pareto() and result.different(3)
-assert best.certificate.verified and best.certificate["friction"].value > 0.0
+assert best.certificate.verified and best.certificate["joint reserve"].value > 0.0
 assert best.claim.points.shape == (2, 3) and best.contacts[0].pad and result.blocked is not None
 assert result.setup.scene.task(result.task).desired_contacts and result.setup.robot.arm.joints
 pinograsp.write_json(result, sys.argv[1] + ".copy")
-assert open(sys.argv[1]).read() == open(sys.argv[1] + ".copy").read()
 """
 
 
 def test_reading_a_result_loads_no_heavy_library(file: Path) -> None:
     assert heavy_after(READ, str(file)) == []
+    assert Path(f"{file}.copy").read_bytes() == file.read_bytes()
 
 
 def test_scenes_load_no_heavy_library() -> None:
@@ -86,7 +86,7 @@ def test_scenes_load_no_heavy_library() -> None:
         "import pinograsp\n"
         "for name in pinograsp.shipped_scenes(): pinograsp.load_scene(name)\n"
         "pinograsp.shipped_robots(), pinograsp.schema('robot'), pinograsp.schema('scene')\n"
-        "pinograsp.Pose(xyz=(0, 0, 0)), pinograsp.Sphere, pinograsp.HalfSpace, pinograsp.SoftFinger\n"
+        "pinograsp.Pose(position=(0, 0, 0)), pinograsp.Sphere, pinograsp.HalfSpace, pinograsp.SoftFinger\n"
     )
     assert heavy_after(script) == []
 

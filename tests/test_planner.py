@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -33,9 +34,9 @@ def runs(gen3: Robot, glovebox: Scene) -> dict[int, Run]:
     """The same run with one, two and three workers."""
 
     def run(workers: int) -> Run:
-        seen: list[object] = []
+        seen: list[Progress] = []
         result = plan(gen3, glovebox, "sphere", starts=STARTS, workers=workers, seed=0, progress=seen.append)
-        return Run(result, [progress for progress in seen if isinstance(progress, Progress)])
+        return Run(result, seen)
 
     return {workers: run(workers) for workers in (1, 2, 3)}
 
@@ -50,7 +51,7 @@ def content(result: Result, folder: Path) -> dict[str, Any]:
     file = folder / "result.json"
     write_json(result, file)
     data: dict[str, Any] = json.loads(file.read_text())
-    del data["times_s"], data["digest"]
+    del data["times"], data["digest"]
     return data
 
 
@@ -158,18 +159,38 @@ def test_run_is_recorded(result: Result) -> None:
 
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_progress_counts_every_start(runs: dict[int, Run], workers: int) -> None:
-    result, seen = runs[workers].result, runs[workers].progress
+    result = runs[workers].result
+    seen = [progress for progress in runs[workers].progress if progress.stage == "starts"]
     assert [progress.done for progress in seen] == list(range(1, STARTS + 1))
     assert {progress.total for progress in seen} == {STARTS}
-    assert seen[-1].verified == result.verified
-    assert seen[-1].best_U == result.ranked("U")[0].cost.U
-    bests = [progress.best_U for progress in seen]
+    assert seen[-1].numbers == {"verified": result.verified, "best U": result.ranked("U")[0].cost.U}
+    bests = [progress.numbers.get("best U", math.inf) for progress in seen]
     assert bests == sorted(bests, reverse=True)
 
 
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_progress_counts_every_grasp_whose_resistance_is_found(runs: dict[int, Run], workers: int) -> None:
+    seen = [progress for progress in runs[workers].progress if progress.stage == "resistance"]
+    count = len(runs[workers].result.grasps)
+    assert [(progress.done, progress.total) for progress in seen] == [(n, count) for n in range(1, count + 1)]
+
+
+def test_interruption_while_grading_keeps_every_grasp(gen3: Robot, glovebox: Scene) -> None:
+    def interrupt(progress: Progress) -> None:
+        if progress.stage == "resistance" and progress.done == 2:
+            raise KeyboardInterrupt
+
+    result = plan(gen3, glovebox, "sphere", starts=8, workers=1, progress=interrupt)
+    assert result.interrupted
+    assert (result.done, result.starts) == (8, 8)
+    assert sum(grasp.count for grasp in result.grasps) == result.verified > 2
+    graded = [any(figure.name == "Q_force" for figure in grasp.certificate.figures) for grasp in result.grasps]
+    assert sum(graded) == 2
+
+
 def test_interruption_keeps_what_is_done(gen3: Robot, glovebox: Scene) -> None:
-    def interrupt(progress: object) -> None:
-        if isinstance(progress, Progress) and progress.done == 5:
+    def interrupt(progress: Progress) -> None:
+        if progress.stage == "starts" and progress.done == 5:
             raise KeyboardInterrupt
 
     result = plan(gen3, glovebox, "sphere", starts=30, workers=1, progress=interrupt)
@@ -179,8 +200,8 @@ def test_interruption_keeps_what_is_done(gen3: Robot, glovebox: Scene) -> None:
 
 
 def test_other_exceptions_of_the_callback_are_not_swallowed(gen3: Robot, glovebox: Scene) -> None:
-    def fail(progress: object) -> None:
-        if isinstance(progress, Progress):
+    def fail(progress: Progress) -> None:
+        if progress.stage == "starts":
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

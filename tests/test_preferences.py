@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
-import yaml
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
 from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
 from pinograsp.database.build import build_database
 from pinograsp.database.store import Database
 from pinograsp.descriptions import Scene
-from pinograsp.descriptions.scene import ApproachCone, Pose
+from pinograsp.descriptions.pose import Pose
+from pinograsp.descriptions.scene import ApproachCone, JointInterval
 from pinograsp.problem import GraspProblem, TaskModel, Violation
 from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp
@@ -218,7 +217,7 @@ def test_a_grasp_outside_a_range_is_refuted(free: Result, gen3: Robot, glovebox:
     ],
 )
 def test_whole_turns_count_for_limited_joints_only(low: float, high: float, free: float, held: float) -> None:
-    ranges, angles = {"a": (1.0 + low, 1.0 + high)}, {"a": 1.0}
+    ranges, angles = [JointInterval("joint_ranges", "a", 1.0 + low, 1.0 + high)], {"a": 1.0}
     assert ranges_figure(ranges, angles, {"a"}).value == pytest.approx(free)
     assert ranges_figure(ranges, angles, set()).value == pytest.approx(held)
 
@@ -319,16 +318,3 @@ def test_too_few_starts_are_said(gen3: Robot, glovebox: Scene) -> None:
     result = plan(gen3, scene, "sphere", starts=9, workers=1)
     assert (result.best, result.starts) == (None, 9)
     assert result.done < 9
-
-
-# ---- README
-
-
-def test_yaml_of_the_readme(gen3: Robot, glovebox: Scene) -> None:
-    text = (Path(__file__).parents[1] / "README.md").read_text()
-    [block] = re.findall(r"```yaml\n(approach:.*?)```", text, flags=re.DOTALL)
-    keys = yaml.safe_load(block)
-    assert set(keys) == {"approach", "joint_ranges"}
-    model = TaskModel(gen3, preferring(glovebox, **keys), "sphere")
-    assert model.approach is not None
-    assert (model.lower > gen3.lower).any()

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from pinograsp import InputError, Result, Robot, read_json, write_json
 from pinograsp.descriptions import Scene
-from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, merge, ranking, table
+from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, html, merge, ranking, table
 from pinograsp.results.criteria import numbers_of
 from pinograsp.results.different import JOINT, POSITION, ROTATION
 from pinograsp.verification import Certificate, Figure
@@ -253,7 +253,7 @@ def test_a_further_criterion_is_one_more_entry(setup: Setup, monkeypatch: pytest
         heading="toy",
         narrow=True,
     )
-    for module in (ranking, table, comparison):
+    for module in (ranking, table, html, comparison):
         monkeypatch.setattr(module, "CRITERIA", (*CRITERIA, toy))
     made = [
         dataclasses.replace(grasp(i), certificate=Certificate((Figure("contact gap", gap, 1.0, "m", "at most"),)))
@@ -261,7 +261,7 @@ def test_a_further_criterion_is_one_more_entry(setup: Setup, monkeypatch: pytest
     ]
     result = result_of(setup, *made)
     assert starts(result.ranked()) == [1, 0]
-    assert "toy\nmm" in [column.header for column in table.grasp_table(result).columns]
+    assert "toy\nmm" in [column.heading for column in table.grasp_table(result).columns]
     assert "<th>toy<small>mm</small></th>" in comparison.grasp_list(result)
 
 

@@ -1,4 +1,4 @@
-"""What README.md shows works: its Python runs, its commands and files exist."""
+"""What README.md shows works: its Python runs, its commands and files exist; and so do transcripts of the pages."""
 
 from __future__ import annotations
 
@@ -15,20 +15,31 @@ from pinograsp import cli
 from pinograsp.database import build, cache, sampling
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
-PYTHON = [text for language, text in BLOCKS if language == "python"]
-LINES = [
-    line.strip() for language, text in BLOCKS if language in {"", "sh", "bash", "console"} for line in text.splitlines()
-]
-COMMANDS = [line for line in LINES if re.match(r"(\$ )?(\S*/)?pinograsp ", line)]
-TARGETS = re.findall(r"\bmake ([a-z][\w-]*)", "\n".join(LINES))
+README = ROOT / "README.md"
+TEXTS = [README, ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def blocks(file: Path, *languages: str) -> list[str]:
+    """Return the blocks of code in some languages, without their indentation in tabs."""
+    found = re.findall(r"^( *)```(\w*)\n(.*?)^ *```$", file.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return [re.sub(rf"^{indent}", "", text, flags=re.MULTILINE) for indent, name, text in found if name in languages]
+
+
+LINES = {
+    file: [line.strip() for text in blocks(file, "", "sh", "bash", "console") for line in text.splitlines()]
+    for file in TEXTS
+}
+COMMANDS = {
+    file: [line.removeprefix("$ ") for line in lines if re.match(r"(\$ )?(\S*/)?pinograsp ", line)]
+    for file, lines in LINES.items()
+}
+TARGETS = sorted({name for lines in LINES.values() for name in re.findall(r"\bmake ([a-z][\w-]*)", "\n".join(lines))})
+TRANSCRIPTS = [file for file in TEXTS if blocks(file, "console")]
 
 
 def test_python_of_the_readme_runs(tmp_path: Path) -> None:
-    assert PYTHON, "README.md shows no Python"
     script = tmp_path / "readme.py"
-    script.write_text("\n".join(PYTHON).replace("starts=1304", "starts=24"))
+    script.write_text("\n".join(blocks(README, "python")).replace("starts=1304", "starts=24"))
     done = subprocess.run(
         [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
     )
@@ -38,13 +49,13 @@ def test_python_of_the_readme_runs(tmp_path: Path) -> None:
 
 
 def test_readme_shows_commands() -> None:
-    assert COMMANDS
-    assert any(" plan " in command for command in COMMANDS)
+    assert any(" plan " in command for command in COMMANDS[README])
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command_of_the_readme_is_understood(command: str) -> None:
-    name, *arguments = shlex.split(command.removeprefix("$ "), comments=True)[1:]
+@pytest.mark.parametrize("command", sorted({command for commands in COMMANDS.values() for command in commands}))
+def test_a_command_is_understood(command: str) -> None:
+    name, *arguments = shlex.split(command, comments=True)[1:]
+    arguments = arguments[: arguments.index(">")] if ">" in arguments else arguments
     known = typer.main.get_command(cli.app)
     while hasattr(known, "commands"):
         assert name in known.commands
@@ -54,9 +65,12 @@ def test_command_of_the_readme_is_understood(command: str) -> None:
     known.make_context(name, arguments)  # exits with 2 on an unknown option or a bad value
 
 
-def test_your_own_robot(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    """The transcript: every command runs, and prints what is shown, in this order (... stands for any lines)."""
-    (transcript,) = (text for language, text in BLOCKS if language == "console")
+@pytest.mark.parametrize("file", TRANSCRIPTS, ids=lambda file: file.name)
+def test_a_transcript(
+    file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Every command runs, and prints what is shown, in this order (... stands for any lines)."""
+    (transcript,) = blocks(file, "console")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "120")
     for module in (build, sampling):  # a small database, so that it takes seconds
@@ -78,12 +92,17 @@ def test_your_own_robot(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_make_target_of_the_readme_exists(target: str) -> None:
+def test_a_make_target_exists(target: str) -> None:
     assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(), flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize(
-    "place", sorted(set(re.findall(r"(?:`|\]\()((?:pinograsp|robots|scenes|tools)/[\w./-]*)[`)]", README)))
-)
-def test_place_of_the_readme_exists(place: str) -> None:
+PLACES = {
+    place
+    for file in TEXTS
+    for place in re.findall(r"`((?:docs|pinograsp|robots|scenes|tests|tools)/[\w./-]*)`", file.read_text())
+}
+
+
+@pytest.mark.parametrize("place", sorted(PLACES))
+def test_a_place_exists(place: str) -> None:
     assert (ROOT / place).exists()

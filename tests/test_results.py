@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import io
 import json
 import math
+import pickle
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,11 +16,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from rich.console import Console
-from rich.table import Table
+from conftest import TOY_URDF, RobotFactory
 
-from pinograsp import InputError, Result, Robot, load_scene, plan, read_json, write_json
+from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
+from pinograsp.descriptions.model import FileRoot
+from pinograsp.frozen import Record
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, merge
 from pinograsp.results.provenance import provenance
 from pinograsp.results.table import grasp_table, outcome_lines
@@ -35,22 +38,11 @@ def setup(gen3: Robot, glovebox: Scene) -> Setup:
     return Setup(gen3.description, glovebox, "sphere")
 
 
-def same(a: Any, b: Any) -> bool:
-    """Deep equality of dataclasses that hold arrays, types included."""
-    if dataclasses.is_dataclass(a):
-        return type(a) is type(b) and all(same(getattr(a, f.name), getattr(b, f.name)) for f in dataclasses.fields(a))
-    if isinstance(a, np.ndarray):
-        return isinstance(b, np.ndarray) and a.dtype == b.dtype and np.array_equal(a, b, equal_nan=True)
-    if isinstance(a, dict):
-        return isinstance(b, dict) and list(a) == list(b) and all(same(a[key], b[key]) for key in a)
-    if isinstance(a, (list, tuple)):
-        return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
-    return bool(a == b or (a != a and b != b))
-
-
 def grasp(U: float, q: float = 0.0, point: float = 0.0, start: int = 0, count: int = 1) -> Grasp:
     """Return a grasp of one arm joint q and one contact at x = point."""
-    contact = Contact("pad", "link", np.array([point, 0, 0]), np.array([1.0, 0, 0]), np.zeros(3), 0.0, np.zeros(3))
+    contact = Contact(
+        "pad", "link", np.array([point, 0, 0]), np.array([1.0, 0, 0]), np.zeros(3), 0.0, np.zeros(3), np.eye(4)
+    )
     figure = Figure("enclosure clearance", 0.01, 0.005, "m", "at least")
     arm = np.array([q])
     none = np.zeros(0)
@@ -67,8 +59,8 @@ def test_json_round_trip(result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(result, file)
     back = read_json(file)
-    assert same(back, result)
-    assert not same(dataclasses.replace(back, starts=13), result)  # `same` can tell
+    assert back == result
+    assert dataclasses.replace(back, starts=13) != result
     again = tmp_path / "again.json"
     write_json(back, again)
     assert again.read_bytes() == file.read_bytes()
@@ -110,7 +102,7 @@ def test_json_of_a_result_without_grasps(setup: Setup, tmp_path: Path) -> None:
     empty = Result(setup, (), 3, {"infeasible": 3}, 0, 0, blocked, True, {"total": 1.0}, {"seed": 7})
     write_json(empty, tmp_path / "empty.json")
     back = read_json(tmp_path / "empty.json")
-    assert same(back, empty)
+    assert back == empty
     assert back.best is None
 
 
@@ -131,10 +123,151 @@ def test_json_says_what_the_issue_asks_for(result: Result, gen3: Robot, tmp_path
     assert best["q_r"].keys() == {gen3.joint_names[joint] for joint in gen3.hand_joints}
     assert best["cost"].keys() == {"U", "phi_mm2", "V"}
     assert np.array(best["T_world_wrist"]).shape == (4, 4)
-    keys = {"pad", "link", "point", "normal", "force", "spin_torque", "desired_point"}
+    keys = {"pad", "link", "point", "normal", "force", "spin_torque", "desired_point", "T_world_pad"}
     assert [contact.keys() for contact in best["contacts"]] == [keys, keys]
     assert best["certificate"]["verified"] is True
     assert all(figure["holds"] for figure in best["certificate"]["figures"])
+
+
+def walked(held: Any, data: Any, path: str) -> Iterator[str]:
+    """Compare what Python holds with its JSON data, and yield the paths of all that was compared."""
+    yield path
+    if isinstance(held, Record):
+        fields = {field.name for field in dataclasses.fields(held)}
+        assert fields - data.keys() == UNWRITTEN.get(type(held), set()), path
+        for key in data:
+            yield from walked(getattr(held, key), data[key], f"{path}.{key}")
+    elif isinstance(held, Mapping):
+        assert list(held) == list(data), path
+        for key in data:
+            yield from walked(held[key], data[key], f"{path}.{key}")
+    elif isinstance(held, np.ndarray):
+        assert np.array_equal(held, np.array(data)), path
+    elif isinstance(held, tuple):
+        assert len(held) == len(data), path
+        for index, part in enumerate(data):
+            yield from walked(held[index], part, f"{path}.{index}")
+    elif isinstance(held, FileRoot):
+        assert type(held).model_validate(data) == held, path
+    elif isinstance(held, float) and not math.isfinite(held):
+        assert data is None, path
+    else:
+        assert (type(held), held) == (type(data), data), path
+
+
+UNWRITTEN: dict[type, set[str]] = {Result: {"altered"}, Grasp: {"setup"}}
+"""Fields that JSON data does not have: the setup of a grasp is that of its result."""
+
+
+def test_keys_of_json_are_the_attributes_of_python(result: Result, tmp_path: Path) -> None:
+    assert all("Q_force" in found.certificate for found in result.grasps)
+    write_json(result, tmp_path / "result.json")
+    data = json.loads((tmp_path / "result.json").read_text())
+    assert (data.pop("format_version"), len(data.pop("digest"))) == (FORMAT_VERSION, 64)  # of the file, not the result
+    paths = set(walked(result, data, "result"))
+    assert {
+        "result.setup.scene",
+        "result.times.solver_mean",
+        "result.provenance.packages.numpy",
+        "result.grasps.0.T_world_wrist",
+        "result.grasps.0.joints.joint_1",
+        "result.grasps.0.contacts.1.T_world_pad",
+        "result.grasps.0.certificate.verified",
+        "result.grasps.0.certificate.figures.0.holds",
+    } <= paths
+    assert list(data)[-1] == "grasps"  # what is long comes last
+
+
+def test_what_is_read_is_what_was_written(result: Result, tmp_path: Path) -> None:
+    """The order of joints, too, which mappings do not compare, and the times, which results do not."""
+    write_json(result, tmp_path / "result.json")
+    back = read_json(tmp_path / "result.json")
+    assert back.times == result.times
+    for read, written in zip(back.grasps, result.grasps, strict=True):
+        assert list(read.joints) == list(written.joints)
+        assert read.setup is back.setup
+    with pytest.raises(TypeError):
+        back.counts["failed"] = 3  # type: ignore[index]
+    with pytest.raises(TypeError):
+        back.provenance["packages"]["numpy"] = "0"
+    with pytest.raises(ValueError, match="read-only"):
+        back.grasps[0].T_world_wrist[0, 3] = 0.0
+
+
+def test_a_result_is_pickled_whole(result: Result) -> None:
+    back = pickle.loads(pickle.dumps(result))
+    assert back == result
+    assert all(found.setup is back.setup for found in back.grasps)
+    assert (
+        repr(back)
+        == repr(result)
+        == f"<Result: {len(result.grasps)} distinct grasps, {result.verified} of 12 starts "
+        + ("verified; gen3_2f85 in glovebox, task sphere>")
+    )
+
+
+def test_joints_stand_in_the_order_of_the_document(result: Result, gen3: Robot) -> None:
+    document = ET.fromstring(gen3.description.urdf_file.read_text())
+    names = [joint.get("name") for joint in document.findall("joint") if joint.get("type") != "fixed"]
+    for found in result.grasps:
+        assert list(found.joints) == names
+        assert found.q.tolist() == [found.joints[str(name)] for name in names]
+        assert found.q.shape == (13,)
+
+
+def test_joints_of_an_attached_urdf_come_behind(make_toy: RobotFactory, paper: Robot) -> None:
+    posture = np.concatenate([np.arange(7.0), [1.9]])
+    names = list(paper.joints_by_name(posture))
+    assert names[:7] == list(paper.description.arm.joints)
+    hand = ET.parse(paper.description.attached_files[0].urdf).getroot()
+    prefix = paper.description.attach[0].prefix
+    movable = [joint for joint in hand.findall("joint") if joint.get("type") != "fixed"]
+    assert names[7:] == [prefix + str(joint.get("name")) for joint in movable]
+    # Pinocchio sorts what a link carries by name.
+    first, second = TOY_URDF.index('<joint name="slide_left"'), TOY_URDF.index('<joint name="slide_right"')
+    turned = TOY_URDF[:first] + TOY_URDF[second:].replace("</robot>", "") + TOY_URDF[first:second] + "</robot>"
+    toy = make_toy(turned)
+    assert toy.joint_names == ("shoulder", "slide_left", "slide_right")
+    joints = toy.joints_by_name(np.array([0.3, 0.04]))
+    assert list(joints.items()) == [
+        ("shoulder", 0.3),
+        ("slide_right", pytest.approx(0.052)),
+        ("slide_left", pytest.approx(0.04)),
+    ]
+
+
+def test_the_wrist_in_the_frame_of_the_object(gen3: Robot, glovebox: Scene) -> None:
+    """The object lies at (0.1, 0.2, 0.3), turned by 90 degrees about z, the wrist 0.5 m beside it along y."""
+    pose = Pose(position=(0.1, 0.2, 0.3), rpy=(0.0, 0.0, math.pi / 2))
+    here = Setup(gen3.description, glovebox.with_object_pose("sphere", pose), "sphere")
+    T = np.eye(4)
+    T[:3, 3] = 0.1, 0.7, 0.3
+    placed = dataclasses.replace(grasp(2.0), T_world_wrist=T, setup=here)
+    expected = np.array([[0.0, 1.0, 0.0, 0.5], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(placed.T_object_wrist, expected, atol=1e-12)
+    with pytest.raises(ValueError, match="read-only"):
+        placed.T_object_wrist[0, 3] = 0.0
+    with pytest.raises(InputError, match="belongs to no result"):
+        _ = grasp(2.0).T_object_wrist
+
+
+def test_pads_are_where_the_robot_file_and_pinocchio_have_them(result: Result, gen3: Robot, glovebox: Scene) -> None:
+    mounted = gen3.mounted(glovebox.mounting.matrix)
+    data = mounted.model.createData()
+    for found in result.grasps:
+        q = mounted.joint_positions(np.concatenate([found.q_arm, found.synergy]))
+        pin.framesForwardKinematics(mounted.model, data, q)
+        for pad, contact in zip(gen3.description.pads, found.contacts, strict=True):
+            link = data.oMf[mounted.model.getFrameId(pad.link)]
+            T, patch = contact.T_world_pad, pad.patch
+            np.testing.assert_allclose(T[:3, 3], link.act(np.array(patch.origin)), atol=1e-12)
+            np.testing.assert_allclose(T[:3, 0], link.rotation @ patch.x_axis, atol=1e-6)  # of the digits of the file
+            np.testing.assert_allclose(T[:3, 2], link.rotation @ patch.normal, atol=1e-6)
+            np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-12)
+            assert np.linalg.det(T[:3, :3]) == pytest.approx(1.0)
+            # The contact is in the pad's plane, and the pad's normal goes into the object.
+            assert abs((np.linalg.inv(T) @ [*contact.point, 1.0])[2]) < 2e-5
+            np.testing.assert_allclose(T[:3, 2], -contact.normal, atol=2e-3)
 
 
 def test_the_wrist_is_where_the_verification_has_it(result: Result, gen3: Robot, glovebox: Scene) -> None:
@@ -169,15 +302,15 @@ def test_numbers_that_are_not_finite_become_null(setup: Setup, tmp_path: Path) -
     assert "NaN" not in text
     assert "Infinity" not in text
     data = json.loads(text)
-    assert data["times_s"]["total"] is None
+    assert data["times"]["total"] is None
     written = data["grasps"][0]["certificate"]
     assert [figure["value"] for figure in written["figures"]] == [None, 2.0, 2.0]
     assert [figure["limit"] for figure in written["figures"]] == [1.0, None, None]
     assert written["verified"] is False
-    assert same(read_json(file).grasps[0].certificate, odd.certificate)
+    assert read_json(file).grasps[0].certificate == odd.certificate
 
 
-@pytest.mark.parametrize("given", [0, 1, 2, "3", None])
+@pytest.mark.parametrize("given", [0, 1, 2, 3, "4", None])
 def test_other_format_version_is_refused(given: object, result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(result, file)
@@ -194,8 +327,8 @@ def test_other_format_version_is_refused(given: object, result: Result, tmp_path
         ("", "not valid JSON"),
         ("{", "not valid JSON"),
         ("[1]", "format version"),
-        ('{"format_version": 3}', "damaged"),
-        ('{"format_version": 3, "starts": NaN}', "not valid JSON: NaN"),
+        ('{"format_version": 4}', "damaged"),
+        ('{"format_version": 4, "starts": NaN}', "not valid JSON: NaN"),
         ("[" * 100_000, "not valid JSON"),
         (b"\xff\xfe", "not valid JSON"),
     ],
@@ -329,8 +462,8 @@ def test_merging_does_not_depend_on_the_order() -> None:
     grasps = [grasp(2.0 + (i % 2), q=0.015 * i, start=i) for i in range(8)]
     first = merge(grasps)
     assert [g.cost.U for g in first] == sorted(g.cost.U for g in first)  # no figure orders them otherwise
-    assert same(merge(grasps[::-1]), first)
-    assert same(merge(grasps[3:] + grasps[:3]), first)
+    assert merge(grasps[::-1]) == first
+    assert merge(grasps[3:] + grasps[:3]) == first
 
 
 def test_nothing_to_merge() -> None:
@@ -388,19 +521,19 @@ def test_table_fits_80_columns(result: Result) -> None:
         )
         for i in range(1200)
     ]
-    text = printed(grasp_table(dataclasses.replace(result, grasps=tuple(long)), by="reserve"))
+    text = grasp_table(dataclasses.replace(result, grasps=tuple(long)), by="reserve").drawn(80)
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text
     assert text.count(" 1304x  1234  123.46   50.0    123.4 ") == 10
     assert text.count(" -180") == 70
     assert [line.split()[0] for line in text.splitlines() if "1304x" in line] == [str(100 * i + 1) for i in range(10)]
-    assert "by reserve" in text
+    assert "by reserve" in " ".join(text.split())  # the title may need two lines
     assert "10 different of 1200 distinct grasps" in text
 
 
 def test_table_without_figures(result: Result) -> None:
     bare = dataclasses.replace(result.grasps[0], certificate=Certificate(()))
-    text = printed(grasp_table(dataclasses.replace(result, grasps=(bare,))))
+    text = grasp_table(dataclasses.replace(result, grasps=(bare,))).drawn(80)
     (row,) = [line for line in text.splitlines() if line.startswith("1 ")]
     assert row.split()[3:6] == ["-", "-", "-"]
     assert "by" not in text
@@ -410,12 +543,6 @@ def pose(x: float) -> Any:
     T = np.eye(4)
     T[0, 3] = x
     return T
-
-
-def printed(table: Table) -> str:
-    console = Console(width=80, record=True, file=io.StringIO())
-    console.print(table)
-    return console.export_text()
 
 
 def test_words_about_the_starts(setup: Setup) -> None:

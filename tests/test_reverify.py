@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pinograsp import Difference, Result, Robot, Setup, cli, plan, read_json, verify, write_json
+from pinograsp import Difference, Progress, Result, Robot, Setup, cli, plan, read_json, verify, write_json
 from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.descriptions.robot_files import hashes_of
 from pinograsp.descriptions.urdf import read_urdf
@@ -110,13 +110,14 @@ def a_little_more(value: float) -> float:
 
 
 def test_a_written_result_stands(result: Result, data: dict[str, Any], reread: Reread) -> None:
-    done: list[int] = []
+    seen: list[Progress] = []
     back = reread(data)
     assert len(back.grasps) > 1
     assert not back.altered
     assert data == sealed(data)
-    assert verify(back, progress=done.append) == ()
-    assert done == list(range(1, len(back.grasps) + 1))
+    assert verify(back, progress=seen.append) == ()
+    count = len(back.grasps)
+    assert seen == [Progress("certificates", number, count) for number in range(1, count + 1)]
     assert verify(result) == ()  # also without a file
 
 
@@ -181,6 +182,26 @@ def test_a_difference_says_where(
     assert {(difference.grasp, difference.what) for difference in differences} == {(1, name) for name in what}
     for difference in differences:
         assert difference.stated != difference.recomputed
+
+
+def test_the_pose_of_a_pad_is_told_by_its_name(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    path = ("grasps", 1, "contacts", 1, "T_world_pad")
+    T = np.array(data["grasps"][1]["contacts"][1]["T_world_pad"])
+    T[:3, :2] = T[:3, 1::-1] * [1.0, -1.0]  # a quarter turn about the normal: nothing else notices
+    found = verify(reread(sealed(changed(data, path, T.tolist()))))
+    assert {(difference.grasp, difference.what.rsplit(".", 2)[0]) for difference in found} == {
+        (2, "contacts.right.T_world_pad")
+    }
+
+
+def test_the_order_of_joints_counts(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    """It is that of `Grasp.q`; neither the digest nor a comparison by names sees it."""
+    joints = data["grasps"][0]["joints"]
+    turned = copy.deepcopy(data)
+    turned["grasps"][0]["joints"] = dict(sorted(joints.items(), reverse=True))
+    result = reread(turned)
+    assert not result.altered
+    assert verify(result) == (Difference(1, "order of joints", sorted(joints, reverse=True), list(joints)),)
 
 
 def test_flags_count(data: dict[str, Any], reread: Reread, quick: None) -> None:

@@ -16,7 +16,7 @@ import trimesh
 import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
-from pinograsp import Robot, cli
+from pinograsp import Progress, Robot, cli
 from pinograsp.descriptions import urdf
 from pinograsp.onboarding.check import RobotReport, check_robot
 from pinograsp.visualization.pads import surface
@@ -194,6 +194,13 @@ def test_pieces_that_stand_off_their_mesh(check: Check, tmp_path: Path) -> None:
     assert not any("stand off its" in words for words in said(check(urdf), "doubtful"))
 
 
+def test_progress_of_a_check(tmp_path: Path) -> None:
+    seen: list[Progress] = []
+    check_robot(write_toy(tmp_path, {}), seen.append)
+    pieces = [progress for progress in seen if progress.stage == "convex pieces"]
+    assert pieces == [Progress("convex pieces", done, 4) for done in range(4)]
+
+
 def test_the_urdf_is_read_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """For the check and the page."""
     read: list[str] = []
@@ -218,9 +225,9 @@ def test_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[
         return int(ended.value.code or 0), *capsys.readouterr()
 
     write_toy(tmp_path, {})
-    code, output, errors = run("robot.yaml", "--no-open", "--out", "some where")
+    code, output, errors = run("robot.yaml", "--out", "some where")
     assert (code, errors) == (0, "")
-    assert "toy: what the check found" in output
+    assert "toy: findings" in output
     assert "0 wrong, 0 doubtful, " in output
     assert "written: some where/toy_check.html\n" in output
     assert "<html" in (tmp_path / "some where" / "toy_check.html").read_text()[:1000]

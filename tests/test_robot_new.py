@@ -68,7 +68,7 @@ def plans(file: Path, folder: Path) -> pinograsp.Result:
 
 
 def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path, small_batches: None) -> None:
-    code, output, errors = run(PANDA, "--output", "my_panda/robot.yaml")
+    code, output, errors = run(PANDA, "--out", "my_panda")
     assert (code, errors) == (0, "")
     assert "written: my_panda/robot.yaml" in output
     file = tmp_path / "my_panda" / "robot.yaml"
@@ -129,9 +129,7 @@ def test_the_file_as_it_is_plans_most_starts(urdf: str, name: str, tmp_path: Pat
 
 def test_an_arm_with_a_hand_of_its_own(run: Run, tmp_path: Path) -> None:
     hand = ("--hand", GEN3, "--hand-root", "robotiq_85_base_link", "--prefix", "g_")
-    code, _, errors = run(
-        UR5, *hand, "--to", "tool0", "--xyz", 0, 0, -0.01, "--rpy", 0, 0, 1.5, "--output", "ur5/robot.yaml"
-    )
+    code, _, errors = run(UR5, *hand, "--to", "tool0", "--xyz", 0, 0, -0.01, "--rpy", 0, 0, 1.5, "--out", "ur5")
     assert (code, errors) == (0, "")
     description = load_robot_description(tmp_path / "ur5")
     (part,) = description.attach
@@ -265,7 +263,7 @@ def test_what_cannot_be_known_is_marked(tmp_path: Path) -> None:
 
 def test_hand_without_flat_faces(run: Run, tmp_path: Path) -> None:
     written(tmp_path / "toy.urdf", TOY_URDF.replace(FINGER, '<sphere radius="0.01"/>'))
-    code, output, _ = run("toy.urdf", "--output", "robot.yaml")
+    code, output, _ = run("toy.urdf", "--out", ".")
     assert code == 1
     assert "pads: no two flat faces of the fingers close on each other; write them by hand" in output
     text = (tmp_path / "robot.yaml").read_text()
@@ -335,7 +333,7 @@ def test_a_torso_with_arms_is_no_hand(tmp_path: Path) -> None:
             [UR5, "--hand", GEN3, "--to", "tool0", "--hand-root", "palm"],
             "--hand-root: link 'palm' is not in kinova_rob",
         ),
-        (["toy.urdf", "--output", "taken/robot.yaml"], "taken/robot.yaml: --output: cannot be written: "),
+        (["toy.urdf", "--out", "taken"], "taken/robot.yaml: --out: cannot be written: "),
         (["broken.urdf"], "broken.urdf: is not valid XML"),
     ],
     ids=lambda value: " ".join(value[1:]) if isinstance(value, list) else "",
@@ -358,7 +356,7 @@ def test_a_robot_file_is_not_replaced(run: Run, toy_urdf: Path, tmp_path: Path) 
     file.write_text("mine")
     code, _, errors = run("toy.urdf")
     assert code == 2
-    assert "robots/toy/robot.yaml: --output: exists already. Use --force to replace it" in errors
+    assert "robots/toy/robot.yaml: --out: exists already. Use --force to replace it" in errors
     assert file.read_text() == "mine"
     assert run("toy.urdf", "--force")[0] == 0
     assert yaml.safe_load(file.read_text())["name"] == "toy"

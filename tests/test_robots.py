@@ -477,8 +477,8 @@ def test_robot_check_is_clean(name: str) -> None:
 # ---- nothing about a robot is in Python
 
 PACKAGE = Path(pinograsp.__file__).parent
-DEFAULTS = {(f"cli/{file}.py", "gen3_2f85") for file in ("plan", "database")}
-"""The robot of a command that is given none."""
+DEFAULTS = {("cli/arguments.py", "gen3_2f85")}
+"""The robot of commands that are given none."""
 EVERYBODYS = {"link1", "link2", "joint1", "joint2", "world", "base", "palm"} | set(TOOL_FRAMES)
 """Attributes of an SRDF and of an MJCF, plain words, and names of tool frames that `robot new` looks for on any arm."""
 

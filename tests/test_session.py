@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import signal
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import trimesh
 from conftest import TOY_URDF, RobotFactory, SceneFactory
@@ -150,7 +152,7 @@ def test_an_object_that_is_not_there_cannot_be_moved(planner: Planner) -> None:
 @pytest.mark.parametrize(
     ("pose", "message"),
     [
-        (np.full((4, 4), np.nan), "pose: is no homogeneous transform"),
+        (np.full((4, 4), np.nan), "pose: holds a number that is not finite"),
         (np.zeros((4, 4)), "pose: is no homogeneous transform"),
         (np.diag([1.0, 1.0, -1.0, 1.0]), "pose: is no homogeneous transform"),
         (np.zeros(3), r"pose: has shape \(3,\), not \(4, 4\)"),
@@ -166,7 +168,7 @@ def test_what_is_no_pose_moves_nothing(planner: Planner, pose: Any, message: str
 
 @pytest.mark.parametrize("limits", [{"most": 0}, {"deadline": -1.0}, {"deadline": float("nan")}], ids=str)
 def test_limits_of_a_search_that_make_no_sense(planner: Planner, limits: Any) -> None:
-    with pytest.raises(InputError, match="must be at least"):
+    with pytest.raises(InputError, match=r"^(most|deadline): must be (at least|a finite)"):
         next(planner.grasps("sphere", **limits))
 
 
@@ -212,6 +214,63 @@ def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: p
             assert figure.value == pytest.approx(grasp.certificate[name].value, abs=1e-9)
             least = min((pair.distance for pair in check.clearances if pair.name == name), default=0.05)
             assert least == pytest.approx(figure.value, abs=1e-9)
+
+
+def test_a_grasp_given_as_a_configuration_is_that_grasp(planner: Planner, grasp: pinograsp.Grasp) -> None:
+    check = planner.check(grasp.joints, "sphere")
+    found = check.grasp
+    assert (found.start, found.count) == (None, 0)
+    assert repr(found).startswith("<Grasp: verified, U ")
+    assert found.certificate is check.certificate
+    assert list(found.joints.items()) == list(grasp.joints.items())
+    for name in ("q_arm", "synergy", "contact_parameters", "internal_forces", "T_world_wrist", "T_object_wrist"):
+        np.testing.assert_allclose(getattr(found, name), getattr(grasp, name), atol=1e-5, err_msg=name)
+    assert pytest.approx(grasp.cost.U, rel=1e-4) == found.cost.U
+    for one, other in zip(found.contacts, grasp.contacts, strict=True):
+        assert (one.pad, one.link) == (other.pad, other.link)
+        for name in ("point", "normal", "desired_point", "T_world_pad"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=1e-6, err_msg=name)
+        np.testing.assert_allclose(one.force, other.force, atol=1e-3)
+    assert found.setup == pinograsp.Setup(planner.robot.description, planner.scene, "sphere")
+
+
+def test_one_check_without_a_planner(gen3: Robot, glovebox: Scene, planner: Planner, grasp: pinograsp.Grasp) -> None:
+    check = pinograsp.check(gen3, glovebox, "sphere", grasp.joints)
+    with Planner(gen3, glovebox) as fresh:
+        assert check == fresh.check(grasp.joints, "sphere")
+    assert check.verified
+    with pytest.raises(InputError, match="no task 'can'"):
+        pinograsp.check(gen3, glovebox, "can", grasp.joints)
+
+
+def test_a_check_as_json_has_the_attributes(planner: Planner, grasp: pinograsp.Grasp) -> None:
+    """Of a configuration with numbers that are not finite, too: links intersect to an unknown depth."""
+    q = np.concatenate([grasp.q_arm, grasp.synergy])
+    q[3] = 2.5  # the elbow folds
+    check = planner.check(q, "sphere")
+    data = json.loads(json.dumps(check.to_json(), allow_nan=False))
+    assert data.keys() == {"verified", "grasp", "clearances"}
+    assert data["verified"] is False
+    assert data["grasp"] == check.grasp.to_json()
+    assert data["grasp"]["start"] is None
+    pairs = [(pair["name"], pair["link"], pair["other"]) for pair in data["clearances"]]
+    assert pairs == [(pair.name, pair.link, pair.other) for pair in check.clearances]
+    assert len({tuple(pair) for pair in data["clearances"]}) == 1
+    distances = [pair["distance"] for pair in data["clearances"]]
+    assert distances == [pair.distance if np.isfinite(pair.distance) else None for pair in check.clearances]
+
+
+def test_pads_are_where_joints_that_keep_to_no_synergy_have_them(
+    planner: Planner, grasp: pinograsp.Grasp, gen3: Robot
+) -> None:
+    tip = "robotiq_85_mimic_right_finger_tip_joint"
+    check = planner.check({**grasp.joints, tip: grasp.joints[tip] + 0.1}, "sphere")
+    assert "mimic joints" in {figure.name for figure in check.certificate.refuted_by}
+    left, right = (contact.T_world_pad for contact in check.grasp.contacts)
+    np.testing.assert_allclose(left, grasp.contacts[0].T_world_pad, atol=1e-9)
+    before = grasp.contacts[1].T_world_pad
+    turn = np.linalg.norm(pin.log3(before[:3, :3].T @ right[:3, :3]))
+    assert turn == pytest.approx(0.1, abs=1e-9)
 
 
 def test_a_contact_within_the_reserve_is_said_to_be_that(gen3: Robot, glovebox: Scene, grasp: pinograsp.Grasp) -> None:

@@ -17,7 +17,8 @@ import pinograsp
 from pinograsp.collision.solids import distance_request, scene_body
 from pinograsp.descriptions import schema
 from pinograsp.descriptions.scene import Body
-from pinograsp.descriptions.shapes import SHAPES, Box, Cylinder, Length, ShapeDescription, Sphere
+from pinograsp.descriptions.shapes import SHAPES, Box, Cylinder, ShapeDescription, Sphere
+from pinograsp.descriptions.values import Positive
 from pinograsp.geometry.contact_faces import ContactFace, Ruling, Spot
 from pinograsp.geometry.shapes import SURFACES, surface_of
 from pinograsp.geometry.tessellation import Tessellation, refined, tessellation_of
@@ -44,8 +45,8 @@ class Capsule(ShapeDescription):
     """A ball swept along the z axis, centred at the origin."""
 
     type: Literal["capsule"]
-    radius: Length
-    height: Length
+    radius: Positive
+    height: Positive
     """Between the centres of the end balls."""
 
 

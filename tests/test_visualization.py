@@ -18,7 +18,8 @@ from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.disk import write_whole
 from pinograsp.errors import InputError
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup
-from pinograsp.verification.certificate import Certificate, Figure
+from pinograsp.results.configuration_check import ConfigurationCheck
+from pinograsp.verification.certificate import Certificate, Figure, PairClearance
 from pinograsp.visualization import approach, camera, colors, show, symbols, write_html
 from pinograsp.visualization.forces import LONGEST_ARROW
 from pinograsp.visualization.regions import painted_surface
@@ -55,7 +56,7 @@ def grasp(robot, scene):
     def contact(pad, side):
         n = np.array([0.0, side, 0.0])
         point = center + radius * n
-        return Contact(pad, f"{pad}_tip", point, n, np.array([0.0, -3.63 * side, 1.0]), 0.0, point)
+        return Contact(pad, f"{pad}_tip", point, n, np.array([0.0, -3.63 * side, 1.0]), 0.0, point, np.eye(4))
 
     joints = {f"joint_{i}": angle for i, angle in enumerate(ARM, 1)}
     joints |= {f"robotiq_85_{name}_joint": sign * KNUCKLE for name, sign in FINGERS.items()}
@@ -206,7 +207,7 @@ def test_the_page_holds_figures_and_picture_and_loads_nothing(grasp, tmp_path):
     page = file.read_text(encoding="utf-8")
     for text in ("gen3_2f85", "glovebox", "2.179", "0.0425 mm²", "2.137", "(0.00, -3.63, 1.00) N", "3.77 N"):
         assert text in page
-    assert "<td>31.2 mm</td><td>≥ 5</td>" in page
+    assert "<td>31.2 mm</td><td>≥ 5 mm</td>" in page
     assert "forearm &lt;-&gt; wall" in page
     assert 'class="fails"><td>force balance' in page
     assert "Certificate: not verified" in page
@@ -280,6 +281,57 @@ def test_the_page_of_a_result_compares_its_grasps(grasp, robot, scene, tmp_path)
     assert "distinct grasps" not in (tmp_path / "b.html").read_text()
     with pytest.raises(InputError, match="'beauty'"):
         write_html(result, tmp_path / "c.html", by="beauty")
+
+
+@pytest.fixture(scope="module")
+def refuted(grasp):
+    """A configuration of the user's whose jaw is away from the object, its elbow in the wall."""
+    figures = (
+        Figure("enclosure clearance", -0.012, 0.005, "m", "at least", "forearm <-> wall"),
+        Figure("contact gap", 0.0042, 1e-5, "m", "at most", "left"),
+        Figure("friction", -0.5, 0.0, "N", "at least", "left"),
+    )
+    pairs = (
+        PairClearance("self collision", "forearm", "base", -math.inf),
+        PairClearance("enclosure clearance", "forearm", "<wall>", -0.012),
+    )
+    own = dataclasses.replace(grasp, start=None, count=0, certificate=Certificate(figures))
+    return ConfigurationCheck(own, pairs)
+
+
+def test_the_page_of_a_refuted_configuration_says_what_refutes_it(refuted, tmp_path):
+    write_html(refuted, tmp_path / "a.html", caption="mine")
+    page = (tmp_path / "a.html").read_text()
+    panel = page[page.index('<div id="panel">') : page.index("<script>")]
+    assert "<h1>Configuration</h1>" in panel
+    begins, others = panel.index("<b>Not verified.</b> Refuted by"), panel.index("<table>")
+    assert begins < others  # above all figures
+    banner = panel[begins:others]
+    assert "<li>enclosure clearance: -12 mm, not ≥ 5 mm<small>forearm &lt;-&gt; wall</small></li>" in banner
+    assert "<li>contact gap: 4.2 mm, not ≤ 0.01 mm<small>left</small></li>" in banner
+    assert banner.count("<li>") == 3
+    assert "Certificate: not verified" in panel
+    assert "<td>self collision<small>forearm - base</small></td><td>overlap</td>" in panel
+    assert "<td>enclosure clearance<small>forearm - &lt;wall&gt;</small></td><td>-12.0 mm</td>" in panel
+
+
+def test_a_checked_configuration_is_drawn_like_its_grasp(refuted, tmp_path):
+    of_check, of_grasp = ({n: T.tolist() for n, T in drawn(what)[1].items()} for what in (refuted, refuted.grasp))
+    assert of_check == of_grasp
+    good = Certificate((Figure("contact gap", 1e-6, 1e-5, "m", "at most", "left"),))
+    verified = ConfigurationCheck(dataclasses.replace(refuted.grasp, certificate=good), ())
+    write_html(verified, tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert "Not verified" not in page
+    assert "Certificate: verified" in page
+
+
+def test_at_most_ten_distances_are_listed(refuted, tmp_path):
+    many = dataclasses.replace(refuted, clearances=refuted.clearances[1:] * 23)
+    write_html(many, tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert page.count("<small>forearm - &lt;wall&gt;</small>") == 10
+    assert "Distances below 50 mm, the least 10 of 23" in page
 
 
 def test_what_cannot_be_drawn_is_refused(grasp, robot, scene, tmp_path):

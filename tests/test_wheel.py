@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from test_files import as_anybody
 
 pytestmark = pytest.mark.slow
 
@@ -86,6 +87,40 @@ def test_plan(installed: Installed, command: tuple[str, ...]) -> None:
     assert "Warning" not in done.stderr
     assert list((installed.folder / "out").glob("*.json"))
     assert list((installed.folder / "out").glob("*.html"))
+
+
+def test_nothing_can_be_written_but_the_results(installed: Installed, tmp_path: Path) -> None:
+    """Neither beside the package nor in the home folder: it works from a start database, and nothing else is kept."""
+    folder = installed.folder / "results"
+    folder.mkdir(mode=0o700)
+    home = tmp_path / "home"
+    home.mkdir(mode=0o500)
+    database = tmp_path / "box.duckdb"
+    build = (
+        "import sys, pinograsp\n"
+        "robot, scene = pinograsp.load_robot('gen3_2f85'), pinograsp.load_scene('glovebox')\n"
+        "pinograsp.build_database(robot, scene, sys.argv[1], size=9000).close()\n"
+    )
+    assert installed.run(str(installed.python), "-c", build, str(database)).returncode == 0
+    plan = (installed.python.parent / "pinograsp", "plan", "glovebox", "--task", "sphere", "--starts", "4")
+    where = ("--out", folder, "--workers", "1")
+    package = next((installed.python.parents[1] / "lib").glob("python*/site-packages/pinograsp"))
+    closed = [package, *(part for part in package.rglob("*") if part.is_dir())]
+    for part in closed:
+        part.chmod(0o500)
+    try:
+        no_cache = {"HOME": str(home), "PINOGRASP_CACHE": ""}
+        done = installed.run(*as_anybody(*plan, *where, "--database", database), **no_cache)
+        refused = installed.run(*as_anybody(*plan, *where), **no_cache)
+    finally:
+        for part in closed:
+            part.chmod(0o700)
+    assert done.returncode == 0, done.stderr
+    assert list(folder.glob("*.json"))
+    assert not list(home.iterdir())
+    assert refused.returncode == 2
+    assert "the cache folder cannot be written" in refused.stderr
+    assert "Traceback" not in refused.stderr
 
 
 def test_a_strictly_typed_script(installed: Installed) -> None:

@@ -45,11 +45,12 @@ def build(robot: Any, scene: Any, file: Path, size: int, workers: int) -> None:
     """Build and print time, rate, memory and file size."""
     began, printed = time.perf_counter(), 0.0
 
-    def show(progress: pinograsp.BuildProgress) -> None:
+    def show(progress: pinograsp.Progress) -> None:
         nonlocal printed
-        if progress.sorting or time.perf_counter() - printed > 60:
+        if progress.stage == "sorting" or time.perf_counter() - printed > 60:
             printed = time.perf_counter()
-            print(f"  {progress.rows:,} rows, {progress.rate:,.0f} a second{' sorting' * progress.sorting}", flush=True)
+            rate = progress.numbers.get("rows per second", 0.0)
+            print(f"  {progress.stage}: {progress.done:,} of {progress.total:,}, {rate:,.0f} a second", flush=True)
 
     with pinograsp.build_database(robot, scene, file, size=size, workers=workers, progress=show) as database:
         rows = database.rows()

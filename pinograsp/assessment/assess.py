@@ -7,8 +7,10 @@ from contextlib import closing
 from functools import partial
 from typing import Any
 
-from ..errors import InputError, whole_number
+from ..compiled import compiling
+from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
+from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .errors import SAMPLES, Draw, Errors, draws
 from .judge import Judge
@@ -26,7 +28,7 @@ def assess(
     samples: int = SAMPLES,
     seed: int = 0,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Report = no_report,
 ) -> Assessment:
     """Judge how much a grasp puts up with: errors of pose, friction, weight, centre of mass and joints.
 
@@ -43,34 +45,34 @@ def assess(
         samples: number of sets of errors.
         seed: of the random numbers.
         workers: number of processes; None: one for each core.
-        progress: called with the pieces of work that are done and their number.
+        progress: called after every sample and every margin.
 
     Raises:
         InputError: the grasp belongs to no result, a file of its robot is missing, or a number is out of range.
     """
-    if errors is not None and not isinstance(errors, Errors):
-        raise InputError(f"must be pinograsp.Errors, not {errors!r}", key="errors")
+    require_kind("grasp", grasp, Grasp, remedy="Take one of `Result.grasps`")
+    if errors is not None:
+        require_kind("errors", errors, Errors, remedy="Give pinograsp.Errors(...)")
     samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0)
     if workers is not None:
         whole_number("workers", workers, 1)
     judge = Judge(grasp)
     sizes = (errors or Errors()).for_task(judge.task.contact.friction)
     drawn = draws(sizes, samples, len(grasp.q_arm), seed)
-    planned = judge.verdict(judge.no_errors)  # and all that has to be compiled is, before processes begin
+    with compiling(progress):  # all that has to be, before processes begin
+        planned = judge.verdict(judge.no_errors)
     verdicts, margins = dict[int, Verdict](), dict[str, Margin]()
     kinds = list(KINDS) if planned.holds else []
-    interrupted, total = False, samples + len(kinds)
+    interrupted = False
     try:
         with own_workers(workers) as running:
             running.begin()
             for number, verdict in _each(running, partial(_judging, grasp), list(enumerate(drawn))):
                 verdicts[number] = verdict
-                if progress:
-                    progress(len(verdicts), total)
+                progress(Progress("samples", len(verdicts), len(drawn)))
             for margin in _each(running, partial(_finding, grasp), kinds, chunk=1):
                 margins[margin.kind] = margin
-                if progress:
-                    progress(len(verdicts) + len(margins), total)
+                progress(Progress("margins", len(margins), len(kinds)))
     except KeyboardInterrupt:
         interrupted = True
     found = tuple(Sample(number + 1, drawn[number], verdicts[number]) for number in sorted(verdicts))

@@ -36,9 +36,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array, skew
+from ..arrays import Array, Mask, skew
 from ..geometry.shapes import Surface
 from ..kinematics.contacts import ContactKinematics, contact_kinematics
 from ..kinematics.forward import Configuration, forward
@@ -53,7 +52,6 @@ GAIN = 1e-12
 """Decrease of the sum, m^2, below which it ends as well."""
 GAP, TILT = 1e-5, 1e-3
 """Gap, m, and angle, rad, of a contact that bears: half of what the verification allows."""
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

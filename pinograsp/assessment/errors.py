@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
+from ..frozen import Record
 
 Interval = tuple[float, float]
 
@@ -27,8 +28,8 @@ UNITS = {"position": " m", "orientation": " rad", "center_of_mass": " m", "joint
 _LARGEST = {"position": 1.0, "orientation": math.pi, "center_of_mass": 1.0, "joint": math.pi}
 
 
-@dataclass(frozen=True)
-class Errors:
+@dataclass(frozen=True, eq=False, repr=False)
+class Errors(Record):
     """How large the errors are. Zero and intervals of one value are allowed.
 
     Raises:
@@ -69,14 +70,9 @@ class Errors:
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return Errors(**(values | {"friction": (FRICTION[0] * friction, FRICTION[1] * friction)}))
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the sizes as JSON data, SI units."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
-
-@dataclass(frozen=True)
-class Draw:
+@dataclass(frozen=True, eq=False, repr=False)
+class Draw(Record):
     """One set of errors; world frame."""
 
     position: Array
@@ -97,11 +93,6 @@ class Draw:
         """Return no errors: the task's friction, and as many zeros as the arm has joints."""
         zero = np.zeros(3)
         return cls(zero, zero, friction, 1.0, zero, np.zeros(joints))
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the errors as JSON data, SI units."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
 
 
 def draws(errors: Errors, samples: int, joints: int, seed: int) -> list[Draw]:

@@ -29,7 +29,6 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..descriptions.pose import Pose
-from ..errors import InputError
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
 from ..results import Grasp
@@ -56,9 +55,7 @@ class Judge:
     """
 
     def __init__(self, grasp: Grasp) -> None:
-        if grasp.setup is None:
-            raise InputError("belongs to no result", key="grasp", remedy="Take one of `Result.grasps`")
-        self.grasp, self.setup = grasp, grasp.setup
+        self.grasp, self.setup = grasp, grasp.required_setup
         robot, scene = self.setup.robot, self.setup.scene
         self.task = scene.task(self.setup.task)
         self.body = scene.objects[self.task.object]

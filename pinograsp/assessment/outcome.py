@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+from ..frozen import FrozenMapping, Record
 from .errors import Draw, Errors
 from .verdict import CAUSES, Verdict
 
@@ -13,37 +13,28 @@ CONFIDENCE = 1.959963984540054
 """Standard deviations of a normal distribution that hold 95 % of it."""
 
 
-@dataclass(frozen=True)
-class Sample:
-    """One set of errors and what it does to the grasp."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Sample(Record):
+    """One set of errors, and the judgement of the grasp with them."""
 
     number: int
     """From 1, in the order in which they are drawn."""
     errors: Draw
+    """The errors; world frame."""
     verdict: Verdict
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the sample as JSON data; a margin that is not finite is None."""
-        verdict = self.verdict
-        return {
-            "number": self.number,
-            "errors": self.errors.to_json(),
-            "holds": verdict.holds,
-            "cause": verdict.cause,
-            "where": verdict.where,
-            "margin": verdict.margin if math.isfinite(verdict.margin) else None,
-            "off_region": verdict.off_region,
-        }
+    """Whether the grasp holds, and why not."""
 
 
-@dataclass(frozen=True)
-class Margin:
+@dataclass(frozen=True, eq=False, repr=False)
+class Margin(Record):
     """How large one kind of error may be, alone."""
 
     kind: str
+    """Of error: position, orientation, joint, center of mass, friction or weight."""
     size: float
     """In `unit`; the least coefficient of friction, otherwise the largest size."""
     unit: str
+    """m, rad, or empty for friction and weight, which have none."""
     where: str
     """Direction or joint in which it ends; empty if there is none."""
     cause: str
@@ -51,20 +42,19 @@ class Margin:
     capped: bool
     """Whether it holds at the largest size that is looked at (friction: without any)."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the margin as JSON data."""
-        return {"size": self.size, "unit": self.unit, "where": self.where, "cause": self.cause, "capped": self.capped}
 
-
-@dataclass(frozen=True)
-class Assessment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Record):
     """How much a grasp puts up with."""
+
+    also_in_json = ("done", "holding", "share", "interval", "causes", "off_region", "worst")
 
     errors: Errors
     """Sizes of the errors that were drawn, friction included."""
     asked: int
-    """Samples asked for."""
+    """Number of samples asked for."""
     seed: int
+    """Of the random numbers."""
     samples: tuple[Sample, ...]
     """Those that were judged, in order."""
     margins: tuple[Margin, ...]
@@ -72,6 +62,7 @@ class Assessment:
     without_errors: Verdict
     """Of the grasp as it was planned."""
     interrupted: bool = False
+    """Whether Ctrl-C ended it."""
 
     @property
     def done(self) -> int:
@@ -110,30 +101,13 @@ class Assessment:
         return min(self.samples, key=lambda sample: sample.verdict.margin, default=None)
 
     def margin(self, kind: str) -> Margin:
-        """Return the margin of a kind of error: position, orientation, friction, weight, center of mass, joint."""
-        return next(margin for margin in self.margins if margin.kind == kind)
+        """Return the margin of a kind of error.
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the assessment as JSON data: SI units, world frame, numbers that are not finite None."""
-        low, high = self.interval
-        margin = self.without_errors.margin
-        return {
-            "errors": self.errors.to_json(),
-            "seed": self.seed,
-            "samples": {"asked": self.asked, "done": self.done, "holding": self.holding},
-            "share": self.share if self.samples else None,
-            "interval": [low, high],
-            "causes": self.causes,
-            "off_region": self.off_region,
-            "worst": self.worst.to_json() if self.worst else None,
-            "without_errors": {
-                "holds": self.without_errors.holds,
-                "cause": self.without_errors.cause,
-                "margin": margin if math.isfinite(margin) else None,
-            },
-            "margins": {margin.kind: margin.to_json() for margin in self.margins},
-            "interrupted": self.interrupted,
-        }
+        Raises:
+            UnknownNameError: (a `KeyError`) there is none of this kind; close ones are named.
+        """
+        margin: Margin = FrozenMapping({margin.kind: margin for margin in self.margins})[kind]
+        return margin
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:

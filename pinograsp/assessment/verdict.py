@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..frozen import Record
+
 LOST = "no contact"
 OFF_PAD = "contact off the pad"
 TOUCHES = "another link touches the object"
@@ -14,16 +16,18 @@ CAUSES = (LOST, OFF_PAD, PENETRATES, TOUCHES, COLLIDES, SLIPS)
 """Why a grasp may fail, in the order in which the causes are looked for: the first one counts."""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """Effect of one set of errors on a grasp."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Verdict(Record):
+    """Judgement of a grasp with one set of errors."""
+
+    also_in_json = ("holds",)
 
     cause: str | None
     """One of `CAUSES`; None if it holds."""
     where: str
     """Pad or pair of bodies that the cause is about."""
     margin: float
-    """Reserve of the inequalities of the balance, N."""
+    """Least reserve of the inequalities of the balance, N; negative if the object slips, -inf without contact."""
     off_region: bool
     """Whether a footprint leaves the part of the surface where contact is allowed."""
 

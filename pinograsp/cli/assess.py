@@ -5,137 +5,168 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
-from rich.table import Table
 
-from ..assessment.assess import assess
-from ..assessment.errors import SAMPLES, Errors
-from ..assessment.outcome import Assessment, Margin
-from ..disk import write_whole
-from ..results import Result, read_json
-from ..results.units import shown_in
-from .chosen import chosen_grasp
-from .console import say
-from .folders import make_folder
+import pinograsp
 
-INTERRUPTED = 130
-DEFAULT = Errors()
-GRASP_HELP = "Number of the grasp in the file's order, from 1."
+from ..tables import Table
+from . import arguments
+from .arguments import INTERRUPTED, command
+from .folders import file_name, make_folder, save
+from .inputs import grasp_of
+from .terminal import Terminal
+
+if TYPE_CHECKING:
+    from ..assessment.outcome import Sample
 
 
-def assess_command(
-    file: Annotated[Path, typer.Argument(help="JSON file of a result.")],
-    grasp: Annotated[int, typer.Option(help=GRASP_HELP)] = 1,
-    samples: Annotated[int, typer.Option(min=1, help="Sets of errors that are drawn.")] = SAMPLES,
-    position: Annotated[float, typer.Option(help="Error of the object's position, mm.")] = 1e3 * DEFAULT.position,
-    orientation: Annotated[float, typer.Option(help="Error of the object's orientation, degrees.")] = math.degrees(
-        DEFAULT.orientation
-    ),
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(
+        app,
+        "assess",
+        "pinograsp assess result.json",
+        "pinograsp assess result.json --grasp 3 --position 5 --friction 0.5 1.0",
+    )(assess)
+
+
+def assess(
+    file: arguments.ResultFile,
+    grasp: arguments.GraspNumber = 1,
+    samples: Annotated[
+        int | None, typer.Option(min=1, help="Sets of errors that are drawn.", show_default="200")
+    ] = None,
+    position: Annotated[
+        float | None, typer.Option(help="Error of the object's position, mm.", show_default="2")
+    ] = None,
+    orientation: Annotated[
+        float | None, typer.Option(help="Error of the object's orientation, degrees.", show_default="2")
+    ] = None,
     friction: Annotated[
         tuple[float, float] | None,
-        typer.Option(help="Least and greatest friction; by default 0.8 and 1.2 times the task's."),
+        typer.Option(
+            metavar="LEAST MOST", help="Coefficients of friction.", show_default="0.8 and 1.2 times the task's"
+        ),
     ] = None,
     weight: Annotated[
-        tuple[float, float], typer.Option(help="Least and greatest factor of the load.")
-    ] = DEFAULT.weight,
-    center_of_mass: Annotated[float, typer.Option(help="Error of the centre of mass, mm.")] = 1e3
-    * DEFAULT.center_of_mass,
+        tuple[float, float] | None,
+        typer.Option(metavar="LEAST MOST", help="Factors of the load.", show_default="0.9 and 1.1"),
+    ] = None,
+    center_of_mass: Annotated[
+        float | None, typer.Option(help="Error of the centre of mass, mm.", show_default="2")
+    ] = None,
     joint: Annotated[
-        float,
-        typer.Option(help="Error of each arm joint, degrees (of sliding ones 17.5 mm a degree).", show_default="0.057"),
-    ] = math.degrees(DEFAULT.joint),
+        float | None,
+        typer.Option(help="Error of each arm joint, mrad; of sliding ones, mm.", show_default="1"),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the errors.")] = 0,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write.")] = None,
+    workers: arguments.Workers = None,
+    out: arguments.NoOut = None,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Say how much a grasp of a result puts up with: errors of pose, friction, weight, centre of mass and joints.
+    """Say how much a grasp of a result puts up with.
 
-    The hand closes again on the displaced object. Exits with 0 whatever is found; 130 if it was interrupted.
+    The errors are of the object's pose, friction, weight and centre of mass, and of the arm's joints. The hand closes
+    again on the displaced object. With --out the assessment is written as
+    <scene>_<task>_<robot>_grasp<number>_assessment.json.
+
+    Exit codes: 0 whatever is found, 130 interrupted.
     """
-    console = Console()
-    errors = Errors(
-        position=1e-3 * position,
-        orientation=math.radians(orientation),
-        friction=friction,
-        weight=weight,
-        center_of_mass=1e-3 * center_of_mass,
-        joint=math.radians(joint),
-    )
-    result = read_json(file)
-    chosen = chosen_grasp(result, grasp, file)
-    if json_file is not None:
-        make_folder(json_file.parent)  # before the work, not after it
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        row = bar.add_task("samples and margins", total=None)
-
-        def progress(done: int, total: int) -> None:
-            bar.update(row, completed=done, total=total)
-
-        found = assess(chosen, errors, samples=samples, seed=seed, workers=workers, progress=progress)
-    _report(found, grasp, result, console)
-    if json_file is not None:
-        content = {"robot": result.robot, "scene": result.scene, "task": result.task, "grasp": grasp, **found.to_json()}
-        write_whole(json_file, json.dumps(content, indent=1, allow_nan=False) + "\n")
-        say(console, f"written: {escape(str(json_file))}")
+    terminal = Terminal(as_json, quiet)
+    sizes = {
+        "position": _scaled(1e-3, position),
+        "orientation": _scaled(math.radians(1.0), orientation),
+        "friction": friction,
+        "weight": weight,
+        "center_of_mass": _scaled(1e-3, center_of_mass),
+        "joint": _scaled(1e-3, joint),
+    }
+    errors = pinograsp.Errors(**_given(sizes))
+    result = pinograsp.read_json(file)
+    chosen = grasp_of(result, grasp, file)
+    if out is not None:
+        make_folder(out)
+    with terminal.progress() as progress:
+        found = pinograsp.assess(
+            chosen, errors, seed=seed, workers=workers, progress=progress, **_given({"samples": samples})
+        )
+    content = {"robot": result.robot, "scene": result.scene, "task": result.task, "number": grasp, **found.to_json()}
+    saved = [] if out is None else [_saved(content, out)]
+    terminal.find(lambda: content, lambda: _report(found, grasp, result, terminal))
+    for line in saved:
+        terminal.say(line)
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
 
 
-def _report(found: Assessment, number: int, result: Result, console: Console) -> None:
-    where = escape(f"{result.robot} in {result.scene}, {result.task}")
+def _scaled(unit: float, number: float | None) -> float | None:
+    return None if number is None else unit * number
+
+
+def _given(options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options that were given; what the others are is for the library to say."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _saved(content: dict[str, Any], folder: Path) -> str:
+    from ..disk import write_whole
+
+    names = (content["scene"], content["task"], content["robot"], f"grasp{content['number']}")
+    file = folder / file_name(*names, "assessment", suffix="json")
+    return save(file, lambda: write_whole(file, json.dumps(content, indent=1, allow_nan=False) + "\n"))
+
+
+def _report(found: pinograsp.Assessment, number: int, result: pinograsp.Result, terminal: Terminal) -> None:
+    heading = typer.style(f"grasp {number}", bold=True)
+    where = f"{result.robot} in {result.scene}, {result.task}"
     if found.samples:
         low, high = (f"{100.0 * end:.1f}" for end in found.interval)
         share = f"{found.holding} of {found.done} samples hold ({100.0 * found.share:.1f} %, 95 %: {low} to {high} %)"
-        say(console, f"[bold]grasp {number}[/] ({where}): {share}")
+        terminal.say(f"{heading} ({where}): {share}")
     else:
-        say(console, f"[bold]grasp {number}[/] ({where}): no sample was judged")
+        terminal.say(f"{heading} ({where}): no sample was judged")
     if found.causes:
-        console.print(_causes(found))
+        terminal.table(_causes(found))
     if found.off_region:
         count = found.off_region
-        say(console, f"{count} of {found.done} samples touch the object where contact is not allowed")
+        terminal.say(f"{count} of {found.done} samples touch the object where contact is not allowed")
     if found.worst is not None:
-        say(console, escape(_worst(found)))
+        terminal.say(_worst(found.worst))
     if not found.without_errors.holds:
-        say(console, f"[yellow]it fails without errors, too:[/] {escape(found.without_errors.reason)}")
+        terminal.say(f"it fails without errors, too: {found.without_errors.reason}")
     if found.margins:
-        console.print(_margins(found))
+        terminal.table(_margins(found))
     if found.interrupted:
-        say(console, "[yellow]interrupted[/]: this is what was done until then")
+        terminal.say("interrupted: this is what was done until then")
 
 
-def _table(title: str) -> Table:
-    return Table(
-        title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False
-    )
-
-
-def _causes(found: Assessment) -> Table:
-    table = _table("why samples fail")
-    table.add_column("cause")
-    table.add_column("samples", justify="right")
+def _causes(found: pinograsp.Assessment) -> Table:
+    table = Table("why samples fail")
+    table.words("cause")
+    table.numbers("samples")
     for cause, count in found.causes.items():
-        table.add_row(cause, str(count))
+        table.add(cause, str(count))
     return table
 
 
-def _margins(found: Assessment) -> Table:
-    table = _table("how large each error may be, alone")
-    for column in ("error", "holds", "ends", "because"):
-        table.add_column(column, justify="right" if column == "holds" else "left")
+def _margins(found: pinograsp.Assessment) -> Table:
+
+    table = Table("how large each error may be, alone")
+    table.words("error")
+    table.numbers("holds")
+    table.words("ends", "because")
     for margin in found.margins:
-        table.add_row(margin.kind, _size(margin), escape(margin.where), escape(margin.cause))
+        table.add(margin.kind, _size(margin), margin.where, margin.cause)
     return table
 
 
-def _size(margin: Margin) -> str:
-    """Return what a margin says, in the units of the command line."""
+def _size(margin: pinograsp.Margin) -> str:
+    """Return what a margin says, in the units of tables."""
+    from ..units import shown_in
+
     factor, unit = shown_in(margin.unit)
     size = f"{factor * margin.size:.3g} {unit}".rstrip()
     match margin.kind, margin.capped:
@@ -148,10 +179,8 @@ def _size(margin: Margin) -> str:
     return f"{size} and more" if capped else f"up to {size}"
 
 
-def _worst(found: Assessment) -> str:
+def _worst(worst: Sample) -> str:
     """Return the line about the worst sample, lengths in mm and angles in degrees."""
-    worst = found.worst
-    assert worst is not None
     draw, verdict = worst.errors, worst.verdict
     balance = "nothing balances the load" if verdict.margin == -math.inf else f"{verdict.margin:.3g} N to spare"
     outcome = "holds" if verdict.holds else f"fails, {verdict.reason}"

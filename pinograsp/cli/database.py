@@ -2,151 +2,253 @@
 
 from __future__ import annotations
 
-import json
+import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from ..database.build import build_database
-from ..database.coverage import Coverage
-from ..database.query import Configurations, configurations_near, spread_configurations
-from ..database.spread import Spread
-from ..database.store import Database
-from ..descriptions import load_robot_description, load_scene
-from ..descriptions.scene import Margins
-from ..errors import InputError
-from ..geometry.cone import Cone
-from ..kinematics.robot import Robot
-from .progress_bar import ProgressBar
+import pinograsp
 
-app = typer.Typer(no_args_is_help=True, help="Build, inspect and query databases of collision-free configurations.")
-File = Annotated[Path, typer.Argument(help="Database file.")]
+from ..tables import GAP, Table
+from . import arguments
+from .arguments import INTERRUPTED, command, group, help_alone
+from .folders import file_name, make_folder, save
+from .inputs import read_robot
+from .terminal import Terminal, fail
+
+if TYPE_CHECKING:
+    from ..database.query import Configurations
+
+NOTHING_FOUND = 1
+File = Annotated[Path, typer.Argument(metavar="FILE", help="Database.")]
 
 
-@app.command("build")
+def register(app: typer.Typer) -> None:
+    """Add the group of commands."""
+    databases = group()
+    databases.callback(invoke_without_command=True)(database)
+    command(databases, "build", "pinograsp database build glovebox.duckdb --scene glovebox --size 1e6")(build)
+    command(databases, "info", "pinograsp database info glovebox.duckdb")(info)
+    command(
+        databases,
+        "query",
+        "pinograsp database query glovebox.duckdb --center 0.8 0.0 -0.1",
+        "pinograsp database query glovebox.duckdb --center 0.8 0 -0.1 --cone 0 0 -1",
+    )(query)
+    command(databases, "coverage", "pinograsp database coverage glovebox.duckdb --html --out out")(coverage)
+    command(databases, "export", "pinograsp database export glovebox.duckdb starts.parquet")(export)
+    app.add_typer(databases, name="database")
+
+
+def database(context: typer.Context) -> None:
+    """Build and query databases of arm configurations."""
+    help_alone(context)
+
+
 def build(
-    out: Annotated[Path, typer.Option(help="Database file; resumed or grown if it exists.")],
-    scene: Annotated[str, typer.Option(help="Scene file or name; its enclosure and obstacles count.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Database; one that is there is resumed or grown.")],
+    scene: Annotated[
+        str,
+        typer.Option(
+            help="Scene file, or name of a shipped scene; its enclosure and obstacles count.",
+            autocompletion=arguments.completion.scenes,
+        ),
+    ],
     size: Annotated[float, typer.Option(help="Configurations wanted, for example 21e6.")],
-    robot: Annotated[str, typer.Option(help="Robot file or name.")] = "gen3_2f85",
+    robot: arguments.Robot = arguments.DEFAULT_ROBOT,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the samples.")] = 0,
-    spread: Annotated[Spread, typer.Option(help="Uniform joints, or even wrist positions.")] = "joints",
+    spread: Annotated[
+        Literal["joints", "wrist"], typer.Option(help="Uniform joint angles, or even wrist positions.")
+    ] = "joints",
     margin: Annotated[float, typer.Option(min=0.0, help="Least distance to enclosure and itself, m.")] = 0.005,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
+    workers: arguments.Workers = None,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Build a database, or resume or grow the one that is there; Ctrl-C keeps what is done."""
+    """Build a database, or resume or grow one.
+
+    Ctrl-C keeps what is done.
+
+    Exit codes: 0 it is built, 1 no configuration is free of collision, 130 interrupted.
+    """
+    terminal = Terminal(as_json, quiet)
     if not 1 <= size <= 1e10:
-        raise InputError("must be between 1 and 1e10", key="--size")
-    model, description = Robot(load_robot_description(robot)), load_scene(scene)
-    console = Console()
+        raise pinograsp.InputError("must be between 1 and 1e10", key="--size")
+    described = pinograsp.load_scene(scene)
+    margins = pinograsp.Margins(enclosure=margin, robot=margin)
     try:
-        with ProgressBar(console) as bar:
-            database = build_database(
+        with terminal.progress() as progress:
+            model = read_robot(robot)
+            built = pinograsp.build_database(
                 model,
-                description,
-                out,
+                described,
+                file,
                 size=int(size),
                 seed=seed,
-                margins=Margins(enclosure=margin, robot=margin),
+                margins=margins,
                 spread=spread,
                 workers=workers,
-                progress=bar,
+                progress=progress,
             )
+            with built:
+                facts = built.info()
     except KeyboardInterrupt:
-        console.print(f"interrupted; the same command goes on where {out} ends", highlight=False)
-        raise typer.Exit(130) from None
-    with database:
-        facts = database.info()
-    console.print(f"{facts['rows']:,} configurations in {out}", highlight=False)
+        fail(f"interrupted; the same command goes on where {file} ends")
+        raise typer.Exit(INTERRUPTED) from None
+    terminal.find(lambda: facts, lambda: terminal.say(f"{facts['rows']:,} configurations in {file}"))
     if not facts["rows"]:
-        console.print(
-            f"None of {facts['samples drawn']:,} random configurations is free of collision: check mounting, "
-            "enclosure and margins of the scene.",
-            highlight=False,
+        drawn = facts["samples drawn"]
+        terminal.warn(
+            f"none of {drawn:,} random configurations is free of collision: check mounting, enclosure and margins"
         )
-        raise typer.Exit(1)
+        raise typer.Exit(NOTHING_FOUND)
 
 
-@app.command("info")
-def info(file: File) -> None:
-    """Print counts, layout, metadata and hashes as JSON."""
-    with Database.open(file) as database:
-        typer.echo(json.dumps(database.info(), indent=2))
+def info(file: File, as_json: arguments.Json = False, quiet: arguments.Quiet = False) -> None:
+    """Print counts, layout and origin of a database."""
+    terminal = Terminal(as_json, quiet)
+    with pinograsp.Database.open(file) as opened:
+        facts = opened.info()
+    terminal.find(lambda: facts, lambda: _say(facts, terminal))
 
 
-@app.command("query")
 def query(
     file: File,
-    center: Annotated[tuple[float, float, float], typer.Option(help="Point in the world, m.")],
+    center: Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Point in the world, m.")],
     radius: Annotated[float, typer.Option(min=0.0, help="Radius of the ball around it, m.")] = 0.1,
-    cone: Annotated[tuple[float, float, float] | None, typer.Option(help="Axis of approach directions.")] = None,
+    cone: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="X Y Z", help="Axis of the approach directions, in the world.", show_default="any"),
+    ] = None,
     angle: Annotated[float, typer.Option(help="Half-angle of the cone, degrees.")] = 30.0,
     count: Annotated[int, typer.Option(min=1, help="Rows to print.")] = 10,
     spread: Annotated[bool, typer.Option(help="Spread the rows over position, approach and posture.")] = True,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Print configurations whose wrist is near a point."""
-    directions = None if cone is None else Cone(np.array(cone), float(np.radians(angle)))
-    with Database.open(file) as database:
+    """Print configurations whose wrist is near a point.
+
+    Exit codes: 0 there are some, 1 there are none.
+    """
+    import numpy as np
+
+    terminal = Terminal(as_json, quiet)
+    directions = None if cone is None else pinograsp.Cone(np.array(cone), math.radians(angle))
+    with pinograsp.Database.open(file) as opened:
         if spread:
-            found = spread_configurations(database, np.array(center), radius, count, cone=directions)
+            found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)
         else:
-            found = configurations_near(database, np.array(center), radius, cone=directions, limit=count)
-        names = database.joints()
-    Console().print(_table(found, names))
+            found = pinograsp.configurations_near(opened, np.array(center), radius, cone=directions, limit=count)
+        names = opened.joints()
+    terminal.find(
+        lambda: _document(found, names), lambda: terminal.table(configurations_table(found, names, terminal.width))
+    )
+    if not len(found):
+        raise typer.Exit(NOTHING_FOUND)
 
 
-def _table(found: Configurations, names: list[str]) -> Table:
-    table = Table(title=f"{len(found)} configurations; joints in rad, positions in m, clearance in mm")
-    for name in (*names, "wrist", "approach", "clear"):
-        table.add_column(name, justify="right")
-    for q, position, approach, clearance in zip(
-        found.q, found.positions, found.approaches, found.clearances, strict=True
-    ):
-        table.add_row(
-            *(f"{angle:.3f}" for angle in q),
-            " ".join(f"{value:.3f}" for value in position),
-            " ".join(f"{value:.2f}" for value in approach),
-            f"{1e3 * clearance:.0f}",
-        )
-    return table
-
-
-@app.command("export")
-def export(file: File, out: Annotated[Path, typer.Option(help="Parquet file.")]) -> None:
-    """Write all configurations as one Parquet file, angles under the names of their joints."""
-    with Database.open(file) as database:
-        database.export_parquet(out)
-    typer.echo(f"written: {out}")
-
-
-@app.command("coverage")
 def coverage(
     file: File,
     voxel: Annotated[float, typer.Option(min=0.005, help="Edge of a voxel, m.")] = 0.05,
-    png: Annotated[Path | None, typer.Option(help="Picture of slices.")] = None,
-    html: Annotated[Path | None, typer.Option(help="Page with the voxels in meshcat.")] = None,
+    png: Annotated[bool, typer.Option("--png", help="Write a picture of slices.")] = False,
+    html: Annotated[bool, typer.Option("--html", help="Write a page with the voxels.")] = False,
+    out: arguments.Out = Path("out"),
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Say which parts of the box the wrist reaches, from how many directions; draw it if asked."""
-    with Database.open(file) as database:
-        found = Coverage.of(database, voxel)
-        title = f"{database.rows():,} configurations in {file.name}"
+    """Say which parts of the enclosure the wrist reaches.
+
+    It also says from how many directions. Picture and page are <database>_coverage.png and .html.
+    """
+    from ..progress import Progress
+
+    terminal = Terminal(as_json, quiet)
+    if png or html:
+        make_folder(out)
+    with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
+        progress(Progress("counting voxels", 0))
+        found = pinograsp.Coverage.of(opened, voxel)
+        rows = opened.rows()
+    title = f"{rows:,} configurations in {file.name}"
     often = found.directions[found.counts > 0]
-    typer.echo(
+    mean = float(often.mean()) if often.size else 0.0
+    document = {
+        "rows": rows,
+        "voxel": found.voxel,
+        "origin": found.origin.tolist(),
+        "voxels": int(found.counts.size),
+        "reached": found.reached,
+        "mean_directions": mean,
+    }
+    line = (
         f"{title}: the wrist reaches {100 * found.reached:.0f} % of the {found.counts.size} voxels of "
-        f"{1e3 * voxel:.0f} mm, a reached one from {often.mean():.1f} of 24 directions on average "
+        f"{1e3 * voxel:.0f} mm, a reached one from {mean:.1f} of 24 directions on average "
         "(a larger database may find more)"
     )
-    if png is not None:
-        from ..visualization import coverage_png
+    terminal.find(lambda: document, lambda: terminal.say(line))
+    stem = file.stem
+    if png:
+        picture = out / file_name(stem, "coverage", suffix="png")
+        terminal.say(save(picture, lambda: pinograsp.visualization.coverage_png(found, picture, title)))
+    if html:
+        page = out / file_name(stem, "coverage", suffix="html")
+        terminal.say(save(page, lambda: pinograsp.visualization.coverage_html(found, page, title)))
 
-        coverage_png(found, png, title)
-        typer.echo(f"written: {png}")
-    if html is not None:
-        from ..visualization import coverage_html
 
-        coverage_html(found, html, title)
-        typer.echo(f"written: {html}")
+def export(
+    file: File,
+    parquet: Annotated[Path, typer.Argument(metavar="PARQUET", help="Parquet file to write.")],
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
+) -> None:
+    """Write all configurations as one Parquet file.
+
+    Angles are in rad (m), under the names of their joints.
+    """
+    from ..progress import Progress
+
+    terminal = Terminal(as_json, quiet)
+    with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
+        rows = opened.rows()
+        progress(Progress("writing configurations", 0, rows))
+        saved = save(parquet, lambda: opened.export_parquet(parquet))
+    terminal.find(lambda: {"file": str(parquet), "rows": rows}, lambda: terminal.say(f"{rows:,} configurations"))
+    terminal.say(saved)
+
+
+def _say(facts: dict[str, Any], terminal: Terminal, before: str = "") -> None:
+    """Print facts one a line, those of a part of it below its name."""
+    for name, fact in facts.items():
+        if isinstance(fact, dict):
+            terminal.say(f"{before}{name}:")
+            _say(fact, terminal, before + "  ")
+        else:
+            text = (
+                ", ".join(map(str, fact)) if isinstance(fact, list) else f"{fact:,}" if isinstance(fact, int) else fact
+            )
+            terminal.say(f"{before}{name}: {text}")
+
+
+def _document(found: Configurations, names: list[str]) -> dict[str, Any]:
+    arrays = ("q", "positions", "approaches", "clearances", "samples")
+    return {"joints": names, **{name: getattr(found, name).tolist() for name in arrays}}
+
+
+def configurations_table(found: Configurations, names: list[str], width: int) -> Table:
+    """Return a table of configurations; angles for which a line has no room follow in the next one."""
+    from ..results.table import angle_lines
+
+    table = Table(f"{len(found)} configurations; arm joints {', '.join(names)}")
+    table.numbers("wrist\nmm", "approach\n", "clear\nmm")
+    table.lines(" arm joints\n °")
+    taken = 17 + 17 + 5 + 3 * GAP
+    rows = zip(found.q, found.positions, found.approaches, found.clearances, strict=True)
+    for q, position, approach, clearance in rows:
+        table.add(
+            "".join(f"{1e3 * x:6.0f}" for x in position)[1:],
+            "".join(f"{x:6.2f}" for x in approach)[1:],
+            f"{1e3 * clearance:.0f}",
+            angle_lines(q, width - taken),
+        )
+    return table

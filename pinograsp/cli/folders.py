@@ -1,20 +1,33 @@
-"""The folder that a command writes into."""
+"""The folder that a command writes into, and the names of its files."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from ..errors import InputError
+from ..disk import reason_of
+from ..errors import FileError
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder of `--out`.
+    """Make the folder of `--out`: before the work, not after it.
 
     Raises:
-        InputError: it cannot be made.
+        FileError: it cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"no such folder can be made: {reason}", file=folder, key="--out") from None
+        raise FileError(f"no such folder can be made: {reason_of(error)}", file=folder, key="--out") from None
+
+
+def file_name(*parts: str | int, suffix: str) -> str:
+    """Return the name of a file, `<part>_<part>.<suffix>`."""
+    return "_".join(map(str, parts)) + f".{suffix}"
+
+
+def save(file: Path, write: Callable[[], object]) -> str:
+    """Have a file written, and return what to say: that it is there now, or took the place of another one."""
+    done = "replaced" if file.exists() else "written"
+    write()
+    return f"{done}: {file}"

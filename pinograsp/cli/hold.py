@@ -5,126 +5,150 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
-from rich.table import Table
 
-from ..errors import InputError
-from ..hold.film import film_file, write_film
-from ..hold.options import HoldOptions
-from ..hold.outcome import HoldOutcome
-from ..hold.run import HoldProgress, hold_test
-from ..hold.write import write_mjcf
-from ..results import Grasp, read_json
-from .chosen import chosen_grasp
-from .console import say
+import pinograsp
 
-NOT_HELD, INTERRUPTED = 1, 130
+from ..tables import Table
+from . import arguments
+from .arguments import INTERRUPTED, command
+from .folders import file_name, make_folder, save
+from .inputs import grasp_of
+from .terminal import Terminal
+
+NOT_HELD = 1
 
 
-def hold_command(
-    file: Annotated[Path, typer.Argument(help="JSON file of a result.")],
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(
+        app,
+        "hold",
+        "pinograsp hold result.json --best 5",
+        "pinograsp hold result.json --grasp 3 --first-slip --film --out out",
+    )(hold)
+
+
+def hold(
+    file: arguments.ResultFile,
     best: Annotated[int, typer.Option(min=1, help="How many grasps, from the best on.")] = 20,
-    grasp: Annotated[int | None, typer.Option(min=1, help="Number of the one grasp to test, from 1.")] = None,
+    grasp: Annotated[
+        int | None, typer.Option(min=1, metavar="NUMBER", help="The one grasp to test, by its number, from 1.")
+    ] = None,
     first_slip: Annotated[bool, typer.Option("--first-slip", help="Find the acceleration of first slip.")] = False,
     controls: Annotated[bool, typer.Option("--controls", help="Run the negative controls: both must drop it.")] = False,
     acceleration: Annotated[float, typer.Option(help="Of the shakes, m/s^2.")] = 5.0,
     spin: Annotated[float, typer.Option(help="Angular acceleration of the spins, rad/s^2.")] = 10.0,
-    mjcf: Annotated[Path | None, typer.Option(help="Write the model of the (best) grasp for MuJoCo's viewer.")] = None,
-    film: Annotated[Path | None, typer.Option(help="Write a film of the (best) grasp, a .gif.")] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the outcomes as JSON.")] = False,
+    mjcf: Annotated[bool, typer.Option("--mjcf", help="Write the model of the first one for MuJoCo's viewer.")] = False,
+    film: Annotated[bool, typer.Option("--film", help="Write a film of the first one.")] = False,
+    workers: arguments.Workers = None,
+    out: arguments.NoOut = None,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Simulate grasps in MuJoCo: at rest, shaken along and turned about every axis of the world.
+    """Simulate grasps of a result in MuJoCo.
 
-    Exits with 0 if every grasp holds (and every control drops the object), 1 if not.
+    Each is held at rest, shaken along and turned about every axis of the world. With --out the outcomes are written as
+    <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is tested as
+    <scene>_<task>_<robot>_grasp<number>.xml and .gif.
+
+    Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """
-    console = Console()
-    options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
-    if film is not None:
-        film_file(film)  # before the work, not after it
-    grasps, first = _chosen(file, best, grasp)
-    outcomes = _tested(grasps, first, options, workers, console)
-    if as_json:
-        typer.echo(json.dumps([dataclasses.asdict(outcome) for outcome in outcomes], indent=1))
-    else:
-        console.print(_table(outcomes, options))
-        for line in _lines(outcomes, options):
-            say(console, escape(line))
+    terminal = Terminal(as_json, quiet)
+    options = pinograsp.HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    if (mjcf or film) and out is None:
+        key = "--mjcf" if mjcf else "--film"
+        raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
+    result = pinograsp.read_json(file)
+    grasps, first = _chosen(result, file, best, grasp)
+    if out is not None:
+        make_folder(out)
+    with terminal.progress() as progress:
+        outcomes = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
+    outcomes = tuple(dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in outcomes)
+    names = (result.scene, result.task, result.robot)
+    content = {
+        **dict(zip(("scene", "task", "robot"), names, strict=True)),
+        "outcomes": [outcome.to_json() for outcome in outcomes],
+    }
+    saved = [] if out is None else [_saved(content, out / file_name(*names, "hold", suffix="json"))]
+    terminal.find(lambda: content, lambda: _report(outcomes, options, terminal))
+    for line in saved:
+        terminal.say(line)
     if len(outcomes) < len(grasps):
         raise typer.Exit(INTERRUPTED)
-    for written, write in ((mjcf, write_mjcf), (film, write_film)):
-        if written is not None:
-            write(grasps[0], written, options)
-            say(Console(stderr=as_json), f"written: {escape(str(written))}")
+    if out is not None:
+        model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
+        for line in _drawn(grasps[0], options, model if mjcf else None, frames if film else None):
+            terminal.say(line)
     if not all(outcome.held and not any(outcome.controls.values()) for outcome in outcomes):
         raise typer.Exit(NOT_HELD)
 
 
-def _chosen(file: Path, best: int, number: int | None) -> tuple[Sequence[Grasp], int]:
+def _chosen(
+    result: pinograsp.Result, file: Path, best: int, number: int | None
+) -> tuple[Sequence[pinograsp.Grasp], int]:
     """Return the grasps to test and the number of the first one."""
-    result = read_json(file)
     if number is not None:
-        return [chosen_grasp(result, number, file)], number
+        return [grasp_of(result, number, file)], number
     if not result.grasps:
-        raise InputError("holds no grasp", file=file)
+        raise pinograsp.InputError("holds no grasp", file=file)
     return result.grasps[:best], 1
 
 
-def _tested(
-    grasps: Sequence[Grasp], first: int, options: HoldOptions, workers: int | None, console: Console
-) -> list[HoldOutcome]:
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        row = bar.add_task("grasps", total=len(grasps))
+def _saved(content: dict[str, Any], file: Path) -> str:
+    from ..disk import write_whole
 
-        def show(progress: HoldProgress) -> None:
-            bar.update(row, completed=progress.done)
-
-        outcomes = hold_test(grasps, None, workers=workers, options=options, progress=show)
-    return [dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in outcomes]
+    return save(file, lambda: write_whole(file, json.dumps(content, indent=1, allow_nan=False) + "\n"))
 
 
-def _table(outcomes: Sequence[HoldOutcome], options: HoldOptions) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
-    for heading in ("", "held", "moved mm", "turned °", "pads N", "planned N"):
-        table.add_column(heading, justify="right", no_wrap=True)
+def _drawn(
+    grasp: pinograsp.Grasp, options: pinograsp.HoldOptions, model: Path | None, film: Path | None
+) -> Iterator[str]:
+    """Write model and film, and yield what to say of each."""
+    if model is not None:
+        from ..hold.write import write_mjcf
+
+        yield save(model, lambda: write_mjcf(grasp, model, options))
+    if film is not None:
+        from ..hold.film import write_film
+
+        yield save(film, lambda: write_film(grasp, film, options))
+
+
+def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions, terminal: Terminal) -> None:
+    terminal.table(_table(outcomes, options))
+    for line in _lines(outcomes, options):
+        terminal.say(line)
+
+
+def _table(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions) -> Table:
+    """Return a table of outcomes; of each grasp the forces of its pads, the planned ones below the measured ones."""
+    table = Table("forces of the pads at rest in N: in the simulation, and below as planned")
+    table.numbers("", "held", "moved\nmm", "turned\n°", "pads\nN")
     if options.first_slip:
-        table.add_column("slips m/s²", justify="right")
-    table.add_column("besides pads touch")
+        table.numbers("slips\nm/s²")
     for outcome in outcomes:
-        measured, planned = (
-            " ".join(f"{force:.2f}" for force in forces)
-            for forces in zip(*[(pad.measured, pad.planned) for pad in outcome.pads], strict=True)
-        )
+        forces = [(pad.measured, pad.planned) for pad in outcome.pads]
+        rows = ("".join(f"{force:6.2f}" for force in row) for row in zip(*forces, strict=True))
         slip = [_slip(outcome)] if options.first_slip else []
-        table.add_row(
-            str(outcome.grasp),
-            "yes" if outcome.held else "no",
-            f"{1e3 * outcome.distance:.3f}",
-            f"{math.degrees(outcome.angle):.2f}",
-            measured,
-            planned,
-            *slip,
-            escape(", ".join(outcome.touching)),
-        )
+        moved, turned = f"{1e3 * outcome.distance:.3f}", f"{math.degrees(outcome.angle):.2f}"
+        table.add(str(outcome.grasp), "yes" if outcome.held else "no", moved, turned, "\n".join(rows), *slip)
     return table
 
 
-def _slip(outcome: HoldOutcome) -> str:
+def _slip(outcome: pinograsp.HoldOutcome) -> str:
     slip = outcome.first_slip
     if slip is None:
         return "-"
     return f"{slip.acceleration:.1f} {slip.direction}" if slip.slipped else f"> {slip.acceleration:.0f}"
 
 
-def _lines(outcomes: Sequence[HoldOutcome], options: HoldOptions) -> list[str]:
+def _lines(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions) -> list[str]:
     held = sum(outcome.held for outcome in outcomes)
     lines = [
         f"{held} of {len(outcomes)} grasps hold at rest, shaken with {options.acceleration:g} m/s² and turned with "
@@ -132,6 +156,9 @@ def _lines(outcomes: Sequence[HoldOutcome], options: HoldOptions) -> list[str]:
     ]
     lost = [outcome for outcome in outcomes if not outcome.held]
     lines += [f"grasp {outcome.grasp} does not: {', '.join(outcome.failed)}" for outcome in lost]
+    for link in sorted({link for outcome in outcomes for link in outcome.touching}):
+        touched = [str(outcome.grasp) for outcome in outcomes if link in outcome.touching]
+        lines.append(f"{link} touches the object other than with a pad: grasp {', '.join(touched)}")
     for name in outcomes[0].controls if outcomes else ():
         holding = [str(outcome.grasp) for outcome in outcomes if outcome.controls[name]]
         said = f"holds with grasp {', '.join(holding)}: the test proves nothing" if holding else "drops every object"

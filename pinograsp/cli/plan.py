@@ -2,115 +2,129 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.markup import escape
 
-from ..descriptions import load_robot_description, load_scene
-from ..kinematics.robot import Robot
+import pinograsp
+
 from ..planning.defaults import DEFAULT_STARTS
-from ..planning.one_shot import plan
-from ..results import Result, write_json
-from ..results.criteria import ALIASES, BY_NAME, criterion_of, numbers_of
-from ..results.ranking import SCORE
-from ..results.table import grasp_table, outcome_lines
-from ..solve.backends import BACKENDS
-from ..solve.options import SolverOptions
-from .console import say
-from .folders import make_folder
-from .progress_bar import ProgressBar
+from . import arguments, completion
+from .arguments import INTERRUPTED, command
+from .folders import file_name, make_folder, save
+from .inputs import read_robot, read_scene
+from .orders import is_measured, require_order
+from .terminal import Terminal
 
-NOTHING_FOUND, INTERRUPTED = 1, 130
-ORDERS = (SCORE, *BY_NAME, *ALIASES)
-SOLVERS_HELP = f"Solver: {', '.join(BACKENDS)}."
-ORDERS_HELP = f"Order of table and page, not of the JSON file: {', '.join(ORDERS)}."
+NOTHING_FOUND = 1
+ALGORITHM = "LD_SLSQP"
 
 
-def _one_of(names: Iterable[str]) -> Callable[[str], str]:
-    """Return a callback that passes these names and refuses any other as a wrong use of the command."""
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(
+        app,
+        "plan",
+        "pinograsp plan glovebox --task sphere",
+        "pinograsp plan my_scene.yaml --task can --robot my_robot --lock elbow=0",
+    )(plan)
 
-    def known(name: str) -> str:
-        if name not in names:
-            raise typer.BadParameter(f"{name!r} is not one of {', '.join(names)}.")
-        return name
 
-    return known
-
-
-def plan_command(
-    scene: Annotated[str, typer.Argument(help="Scene file, or the name of a shipped scene.")],
-    task: Annotated[str, typer.Option(help="Name of a task of the scene.")],
-    robot: Annotated[str, typer.Option(help="Robot file or folder, or the name of a shipped robot.")] = "gen3_2f85",
+def plan(
+    scene: arguments.Scene,
+    task: arguments.Task,
+    robot: arguments.Robot = arguments.DEFAULT_ROBOT,
     starts: Annotated[int, typer.Option(min=1, help="Number of starts.")] = DEFAULT_STARTS,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; by default one for each core.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0,
-    database: Annotated[Path | None, typer.Option(help="Start database; by default a small one, cached.")] = None,
-    algorithm: Annotated[str, typer.Option(help=SOLVERS_HELP, callback=_one_of(BACKENDS))] = "LD_SLSQP",
-    max_evaluations: Annotated[int | None, typer.Option(min=1, help="Budget of evaluations a start.")] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the JSON and HTML files.")] = Path("out"),
-    rank_by: Annotated[str, typer.Option(help=ORDERS_HELP, callback=_one_of(ORDERS))] = SCORE,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the choice of starts.")] = 0,
+    workers: arguments.Workers = None,
+    lock: arguments.Locks = None,
+    object_pose: arguments.ObjectPose = None,
+    rank_by: Annotated[
+        str,
+        typer.Option(
+            help="Order of table and page, not of the JSON file: score, U, Q_force, Q_torque, clearance, reserve or "
+            "manipulability.",
+            autocompletion=completion.criteria,
+        ),
+    ] = "score",
+    database: Annotated[
+        Path | None, typer.Option(help="Start database.", show_default="a small one, built once in the cache folder")
+    ] = None,
+    algorithm: Annotated[str, typer.Option(help="Solver: LD_SLSQP, or LN_COBYLA as in the paper.")] = ALGORITHM,
+    max_evaluations: Annotated[
+        int | None, typer.Option(min=1, help="Budget of evaluations of a start.", show_default="that of the solver")
+    ] = None,
+    out: arguments.Out = Path("out"),
     html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Find, verify and rank grasps; write them as JSON and the best one as an HTML page."""
-    console = Console()
-    robot_model, description = Robot(load_robot_description(robot)), load_scene(scene)
-    options = SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
-    make_folder(out)  # before the work, not after it
-    with ProgressBar(console) as bar:
-        result = plan(
-            robot_model,
-            description,
+    """Find, verify and rank grasps.
+
+    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search
+    and writes what was found until then. With --json the document is that of the JSON file.
+
+    Exit codes: 0 grasps were found, 1 none was found, 130 interrupted.
+    """
+    terminal = Terminal(as_json, quiet)
+    described = read_scene(scene, task, object_pose, lock)
+    require_order(rank_by)
+    options = pinograsp.SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
+    assert options.budget  # refuses a solver that there is not
+    make_folder(out)
+    with terminal.progress() as progress:
+        model = read_robot(robot)
+        result = pinograsp.plan(
+            model,
+            described,
             task,
             starts=starts,
             workers=workers,
             seed=seed,
             options=options,
             database=database,
-            progress=bar,
-            build_progress=bar,
+            progress=progress,
         )
-    _report(result, console, rank_by)
-    written = out / f"{description.name}_{task}.json"
-    write_json(result, written)
-    say(console, f"written: {escape(str(written))}")
-    if html and result.best:
-        from ..visualization import write_html
+    from ..results.encoding import encode
 
-        page = written.with_suffix(".html")
-        write_html(result, page, caption=outcome_lines(result)[0], by=rank_by)
-        say(console, f"written: {escape(str(page))}")
+    saved = list(_saved(result, out, rank_by, html))  # first of all: then a terminal that is gone loses nothing
+    terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
+    for line in saved:
+        terminal.say(line)
     if result.interrupted:
         raise typer.Exit(INTERRUPTED)
     if not result.grasps:
         raise typer.Exit(NOTHING_FOUND)
 
 
-def _is_measured(rank_by: str, result: Result) -> bool:
-    """Return whether a grasp has what they are to be ordered by."""
-    if rank_by == SCORE:
-        return True
-    values = criterion_of(rank_by, result.grasps).values([numbers_of(grasp) for grasp in result.grasps])
-    return not np.isnan(values).all()
+def _saved(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> Iterator[str]:
+    """Write the files, and yield what to say of each."""
+    from ..results.table import outcome_lines
+
+    file = folder / file_name(result.scene, result.task, result.robot, suffix="json")
+    yield save(file, lambda: pinograsp.write_json(result, file))
+    if html and result.best is not None:
+        page, caption = file.with_suffix(".html"), outcome_lines(result)[0]
+        yield save(page, lambda: pinograsp.visualization.write_html(result, page, caption=caption, by=rank_by))
 
 
-def _report(result: Result, console: Console, rank_by: str) -> None:
+def _report(result: pinograsp.Result, terminal: Terminal, rank_by: str) -> None:
+    from ..results.table import grasp_table, outcome_lines
+
     for warning in result.warnings:
-        say(console, f"[yellow]warning:[/] {escape(warning)}")
+        terminal.warn(warning)
     if result.grasps:
-        if not _is_measured(rank_by, result):
-            say(console, f"[yellow]warning:[/] no grasp has {rank_by}; the order is that of {SCORE}")
-        console.print(grasp_table(result, by=rank_by))
+        if not is_measured(rank_by, result):
+            terminal.warn(f"no grasp has {rank_by}; the order is that of score")
+        terminal.table(grasp_table(result, by=rank_by, width=terminal.width))
     else:
-        say(console, "[bold]No verified grasp was found.[/]")
+        terminal.say(typer.style("No verified grasp was found.", bold=True))
     for line in outcome_lines(result):
-        say(console, escape(line))
+        terminal.say(line)
     text = f"{result.times['total']:.1f} s in all"
     if result.done:
         solver, check = 1e3 * result.times["solver_mean"], 1e3 * result.times["verification_mean"]
         text += f"; a start takes {solver:.1f} ms in the solver and {check:.1f} ms in the check, on one core"
-    say(console, text)
+    terminal.say(text)

@@ -2,101 +2,174 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 
-from ..descriptions.pose import ZERO
-from ..errors import InputError
-from ..onboarding.check import RobotReport, check_robot
-from ..onboarding.new import HandMount, new_robot_file, refuse_existing, summary_lines, write_new
-from ..onboarding.table import findings_table, links_table, summary
-from .folders import make_folder
+import pinograsp
 
-app = typer.Typer(no_args_is_help=True, help="Write a first robot file for a URDF; check a robot file.")
+from . import arguments
+from .arguments import command, group, help_alone
+from .folders import file_name, make_folder, save
+from .terminal import Terminal
+
+if TYPE_CHECKING:
+    from ..onboarding.draft import Draft
+
 SOMETHING_WRONG = 1
+ZERO = (0.0, 0.0, 0.0)
 
 
-@app.command("check")
+def register(app: typer.Typer) -> None:
+    """Add the group of commands."""
+    robots = group()
+    robots.callback(invoke_without_command=True)(robot)
+    command(
+        robots,
+        "new",
+        "pinograsp robot new arm.urdf --hand gripper.urdf --to tool0",
+        "pinograsp robot new package://my_robots/arm.urdf --packages ~/ros/src",
+    )(new)
+    command(robots, "check", "pinograsp robot check robots/my_robot/robot.yaml --open")(check)
+    app.add_typer(robots, name="robot")
+
+
+def robot(context: typer.Context) -> None:
+    """Write a first robot file for a URDF; check a robot file."""
+    help_alone(context)
+
+
 def check(
-    robot: Annotated[str, typer.Argument(help="Robot file or folder, or the name of a shipped robot.")],
-    out: Annotated[Path, typer.Option(help="Folder of the HTML page.")] = Path("out"),
-    open_page: Annotated[bool, typer.Option("--open/--no-open", help="Open the page in the browser.")] = False,
+    robot: arguments.RobotFile,
+    out: arguments.Out = Path("out"),
+    open_page: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Say what is wrong or doubtful with a robot file, and write a page with the robot, joint sliders and pads.
+    """Say what is wrong or doubtful with a robot file.
 
-    Exits with 1 if something is wrong.
+    Writes a page with the robot, joint sliders and pads: <robot>_check.html.
+
+    Exit codes: 0 nothing is wrong, 1 something is.
     """
-    console = Console()
-    with console.status("looking at the robot"):
-        report = check_robot(robot)
-    console.print(findings_table(report))
-    if report.links:
-        console.print(links_table(report))
-    console.print(summary(report), highlight=False)
-    page = _write_page(report, out)
-    if page is not None:
-        console.print(f"written: {escape(str(page))}", highlight=False, soft_wrap=True)
-        if open_page:
-            typer.launch(str(page))
+    terminal = Terminal(as_json, quiet)
+    make_folder(out)
+    with terminal.progress() as progress:
+        report = pinograsp.check_robot(robot, progress)
+    page = out / file_name(report.name, "check", suffix="html")
+    saved = [save(page, lambda: _write_page(report, page))] if report.robot is not None else []
+    terminal.find(lambda: _document(report), lambda: _report(report, terminal))
+    for line in saved:
+        terminal.say(line)
+    if saved and open_page:
+        typer.launch(str(page))
     if report.wrong:
         raise typer.Exit(SOMETHING_WRONG)
 
 
-@app.command("new")
 def new(
-    urdf: Annotated[str, typer.Argument(help="URDF of the robot or the arm: path, or package:// address in a wheel.")],
-    output: Annotated[
-        Path | None, typer.Option(help="Robot file to write; by default robots/<name of the URDF>/robot.yaml.")
+    urdf: Annotated[
+        str,
+        typer.Argument(metavar="URDF", help="URDF of the robot or the arm: path, or package:// address in a wheel."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder of the robot file, robot.yaml; its name is that of the robot.",
+            show_default="robots/<name of the URDF>",
+        ),
     ] = None,
     hand: Annotated[str | None, typer.Option(help="URDF of a hand that the robot's URDF does not hold.")] = None,
-    to: Annotated[str | None, typer.Option(help="Link that the hand sits on; by default the arm's last one.")] = None,
-    xyz: Annotated[tuple[float, float, float], typer.Option(help="Where on the link, m.")] = ZERO,
-    rpy: Annotated[tuple[float, float, float], typer.Option(help="Roll, pitch, yaw on the link, rad.")] = ZERO,
+    to: Annotated[
+        str | None, typer.Option(help="Link that the hand sits on.", show_default="the arm's last one")
+    ] = None,
+    xyz: Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Where on the link, m.")] = ZERO,
+    rpy: Annotated[
+        tuple[float, float, float],
+        typer.Option(metavar="ROLL PITCH YAW", help="How it is turned on the link, rad."),
+    ] = ZERO,
     prefix: Annotated[str, typer.Option(help="Put before the names of the hand's links and joints.")] = "",
     hand_root: Annotated[str | None, typer.Option(help="Link of the hand's URDF with which the hand begins.")] = None,
     tip: Annotated[str | None, typer.Option(help="Link that carries the fingers, where arms branch.")] = None,
-    packages: Annotated[list[Path] | None, typer.Option(help="Folder in which package:// is looked up.")] = None,
+    packages: Annotated[
+        list[Path] | None, typer.Option(metavar="FOLDER", help="Folder in which package:// is looked up; repeatable.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a robot file that is there.")] = False,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
 ) -> None:
-    """Write a first robot file: arm, hand, limits, and flat faces of the fingers that close on each other as pads.
+    """Write a first robot file for a URDF.
 
-    What a URDF does not say is marked with CHECK. Exits with 1 if the pads have to be written by hand.
+    It has arm, hand, limits, and as pads the flat faces of the fingers that close on each other. What a URDF does not
+    say is marked with CHECK in the file.
+
+    Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """
-    console = Console()
-    file = Path("robots") / Path(urdf).stem / "robot.yaml" if output is None else output
+    from ..onboarding.new import refuse_existing, write_new
+
+    terminal = Terminal(as_json, quiet)
+    file = (Path("robots") / Path(urdf).stem if out is None else out) / "robot.yaml"
     mount = None
     if hand is not None:
-        mount = HandMount(hand, to=to, root=hand_root, position=xyz, rpy=rpy, prefix=prefix)
+        mount = pinograsp.HandMount(hand, to=to, root=hand_root, position=xyz, rpy=rpy, prefix=prefix)
     elif to is not None or hand_root is not None:
         key = "--hand-root" if to is None else "--to"
-        raise InputError("is for a hand with a URDF of its own", key=key, remedy="Give that with --hand")
+        raise pinograsp.InputError("is for a hand with a URDF of its own", key=key, remedy="Give that with --hand")
     refuse_existing(file, replace=force)
-    with console.status("looking at the URDF"):
-        text, found = new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or ())
-    write_new(text, file)
-    for line in (*summary_lines(found), f"written: {file}"):
-        console.print(escape(line), highlight=False, soft_wrap=True)
-    for number, line in enumerate(text.splitlines(), 1):
-        if "CHECK" in line and number > 1:
-            where = escape(f"{file}:{number}")
-            console.print(f"[yellow]{where}[/]: {escape(line.strip())}", highlight=False, soft_wrap=True)
+    with terminal.progress():
+        text, found = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or ())
+    saved = save(file, lambda: write_new(text, file))
+    marked = {
+        number: line.strip() for number, line in enumerate(text.splitlines(), 1) if "CHECK" in line and number > 1
+    }
+    terminal.find(lambda: _new_document(file, found, marked), lambda: _new_report(file, found, marked, terminal))
+    terminal.say(saved)
     if found.pads is None:
         raise typer.Exit(SOMETHING_WRONG)
-    console.print(f"next: pinograsp robot check {escape(str(file))}", highlight=False, soft_wrap=True)
+    terminal.say(f"next: pinograsp robot check {file}")
 
 
-def _write_page(report: RobotReport, folder: Path) -> Path | None:
-    """Write the page of a check, and return where; None if there is no robot to show."""
-    if report.robot is None:
-        return None
+def _document(report: pinograsp.RobotReport) -> dict[str, Any]:
+    return {
+        "name": report.name,
+        "wrong": report.wrong,
+        "findings": [dataclasses.asdict(finding) for finding in report.findings],
+        "links": [dataclasses.asdict(link) for link in report.links],
+    }
+
+
+def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
+    from ..onboarding.table import findings_table, links_table, summary
+
+    terminal.table(findings_table(report))
+    if report.links:
+        terminal.say("")
+        terminal.table(links_table(report))
+    terminal.say(summary(report))
+
+
+def _write_page(report: pinograsp.RobotReport, page: Path) -> None:
     from ..visualization.robot_page import Remark, write_robot_html
 
-    make_folder(folder)
-    page = folder / f"{report.robot.description.name}_check.html"
+    assert report.robot is not None
     remarks = [Remark(finding.level, finding.what, finding.remedy) for finding in report.findings]
     write_robot_html(report.robot, remarks, page)
-    return page
+
+
+def _new_document(file: Path, found: Draft, marked: dict[int, str]) -> dict[str, Any]:
+    pads = None if found.pads is None else [pad.link for pad in found.pads]
+    checks = [{"line": number, "text": line} for number, line in marked.items()]
+    arm, hand = list(found.chain.arm), list(found.chain.hand)
+    return {"file": str(file), "arm": arm, "hand": hand, "wrist": found.wrist, "pads": pads, "check": checks}
+
+
+def _new_report(file: Path, found: Draft, marked: dict[int, str], terminal: Terminal) -> None:
+    from ..onboarding.new import summary_lines
+
+    for line in summary_lines(found):
+        terminal.say(line)
+    for number, line in marked.items():
+        terminal.say(f"{typer.style(f'{file}:{number}', fg='yellow')}: {line}")

@@ -2,60 +2,60 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
 
-from ..results import Result, read_json
-from ..results.reverify import Difference, verify
-from .console import say
+import pinograsp
+
+from . import arguments
+from .arguments import command
+from .terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 DIFFERENT = 1
 
 
-def verify_command(
-    file: Annotated[Path, typer.Argument(help="JSON file of a result.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print the differences as JSON.")] = False,
-) -> None:
-    """Recompute every certificate of a result from its file alone, and say what differs.
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(app, "verify", "pinograsp verify result.json")(verify)
 
-    Exits with 0 if every certificate stands, 1 if anything differs.
+
+def verify(
+    file: arguments.ResultFile,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
+) -> None:
+    """Recompute every certificate of a result.
+
+    Nothing but its file is used, and the URDF and meshes that the robot names; what differs is listed.
+
+    Exit codes: 0 every certificate stands, 1 something differs.
     """
-    console = Console()
-    result = read_json(file)
-    found = _recomputed(result, console)
-    if as_json:
-        differences = [dataclasses.asdict(difference) for difference in found]
-        typer.echo(json.dumps({"grasps": len(result.grasps), "differences": differences}, indent=1))
-    else:
-        for difference in found:
-            say(console, escape(_line(difference)))
-        say(console, _summary(result, found))
+    terminal = Terminal(as_json, quiet)
+    result = pinograsp.read_json(file)
+    with terminal.progress() as progress:
+        found = pinograsp.verify(result, progress)
+    terminal.find(
+        lambda: {"grasps": len(result.grasps), "differences": [difference.to_json() for difference in found]},
+        lambda: _report(len(result.grasps), found, terminal),
+    )
     if found:
         raise typer.Exit(DIFFERENT)
 
 
-def _recomputed(result: Result, console: Console) -> tuple[Difference, ...]:
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        row = bar.add_task("certificates", total=len(result.grasps))
-        return verify(result, progress=lambda done: bar.update(row, completed=done))
-
-
-def _line(difference: Difference) -> str:
-    whose = "result" if difference.grasp is None else f"grasp {difference.grasp}"
-    stated, recomputed = json.dumps(difference.stated), json.dumps(difference.recomputed)
-    return f"{whose}: {difference.what}: {stated} stated, {recomputed} recomputed"
-
-
-def _summary(result: Result, found: tuple[Difference, ...]) -> str:
-    count = len(result.grasps)
+def _report(count: int, found: Sequence[pinograsp.Difference], terminal: Terminal) -> None:
+    for difference in found:
+        whose = "result" if difference.grasp is None else f"grasp {difference.grasp}"
+        data = difference.to_json()
+        stated, recomputed = json.dumps(data["stated"]), json.dumps(data["recomputed"])
+        terminal.say(f"{whose}: {difference.what}: {stated} stated, {recomputed} recomputed")
     grasps = f"{count} {'grasp' if count == 1 else 'grasps'} recomputed"
-    if not found:
-        return f"{grasps}: every certificate stands"
-    return f"[bold red]{grasps}: {len(found)} {'difference' if len(found) == 1 else 'differences'}[/]"
+    if found:
+        differences = f"{len(found)} {'difference' if len(found) == 1 else 'differences'}"
+        terminal.say(typer.style(f"{grasps}: {differences}", bold=True, fg="red"))
+    else:
+        terminal.say(f"{grasps}: every certificate stands")

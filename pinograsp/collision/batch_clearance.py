@@ -20,9 +20,8 @@ from typing import Any
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Indices, Mask
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
 from ..kinematics.robot import Robot
 from .solids import distance_request
@@ -181,7 +180,7 @@ class BatchClearance:
         return float(coal.distance(first, at, second, there, self._request, coal.DistanceResult()))
 
 
-def _take(frames: GroupFrames, which: Indices | NDArray[np.bool_]) -> GroupFrames:
+def _take(frames: GroupFrames, which: Indices | Mask) -> GroupFrames:
     return GroupFrames(frames.rotations[:, which], frames.translations[:, which])
 
 

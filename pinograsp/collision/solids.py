@@ -6,6 +6,7 @@ distances are exact and conservative, also in penetration, where distances of tr
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby, product
 from typing import Any
@@ -21,6 +22,7 @@ from ..geometry.shapes import surface_of
 from ..kinematics.collision_elements import CollisionElement, collision_elements
 from ..kinematics.robot import Robot
 from ..memo import remembered
+from ..progress import Progress, Report, no_report
 from .world import IDENTITY, Body, Hull, Role, Solid
 
 
@@ -36,26 +38,40 @@ def distance_request() -> Any:
     return request
 
 
-def link_bodies(robot: Robot) -> tuple[Body, ...]:
+def link_bodies(robot: Robot, report: Report = no_report) -> tuple[Body, ...]:
     """Return the collision geometry of a mounted robot by link: primitives, and of every mesh the convex pieces.
 
     Solids are those of the robot alone, made once for all its scenes and tasks.
 
+    Args:
+        robot: the robot.
+        report: called while they are made, before every mesh: pieces of one that is new on the machine take a second.
+
     Raises:
         InputError: a collision element is not understood, or a mesh cannot be read or has no volume.
     """
-    return tuple(replace(b, pose=robot.T_world_root) if b.joint == 0 else b for b in _of_links(robot.unmounted))
+    bodies = _bodies(robot.unmounted)
+    if not bodies:
+        bodies.extend(tuple(_of_links(robot.unmounted, report)))  # all of them, or none
+    return tuple(replace(b, pose=robot.T_world_root) if b.joint == 0 else b for b in bodies)
 
 
 @remembered
-def _of_links(robot: Robot) -> tuple[Body, ...]:
-    bodies = []
-    for (link, joint), elements in groupby(
-        collision_elements(robot), key=lambda element: (element.link, element.joint)
-    ):
-        solids = tuple(bounded(shape, element.placement) for element in elements for shape in _shapes(element, robot))
-        bodies.append(Body("link", link, joint, IDENTITY, solids, _hulls(solids)))
-    return tuple(bodies)
+def _bodies(robot: Robot) -> list[Body]:
+    """Return the place where the bodies of a robot are kept."""
+    del robot
+    return []
+
+
+def _of_links(robot: Robot, report: Report) -> Iterator[Body]:
+    all_elements, done = collision_elements(robot), 0
+    for (link, joint), elements in groupby(all_elements, key=lambda element: (element.link, element.joint)):
+        solids: list[Solid] = []
+        for element in elements:
+            report(Progress("convex pieces", done, len(all_elements)))
+            solids += [bounded(shape, element.placement) for shape in _shapes(element, robot)]
+            done += 1
+        yield Body("link", link, joint, IDENTITY, tuple(solids), _hulls(tuple(solids)))
 
 
 def _shapes(element: CollisionElement, robot: Robot) -> list[Any]:

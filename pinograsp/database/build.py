@@ -11,18 +11,21 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import closing
-from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import get_args
 
+from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..errors import InputError
+from ..disk import as_path
+from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, whole_number
 from ..execution import own_workers
 from ..kinematics.robot import Robot
+from ..progress import Progress, Report, no_report
 from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
@@ -31,17 +34,6 @@ from .store import Database, columns, create_tables
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
-
-
-@dataclass(frozen=True)
-class BuildProgress:
-    """How far a build is."""
-
-    rows: int
-    size: int
-    rate: float
-    """Rows a second of this run."""
-    sorting: bool = False
 
 
 def build_database(
@@ -55,7 +47,7 @@ def build_database(
     spread: Spread = "joints",
     workers: int | None = None,
     wait: bool = False,
-    progress: Callable[[BuildProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> Database:
     """Build a database of `size` collision-free configurations, or resume or grow the one that is there.
 
@@ -69,19 +61,26 @@ def build_database(
         spread: "joints": uniform over the joint limits; "wrist": thinned so that wrist positions are even.
         workers: number of processes; None: one for each core.
         wait: whether to wait while another process builds this database, instead of refusing.
-        progress: called after every batch.
+        progress: called after every batch, of `start database` and with the `rows per second` of this run; before that
+            of the `convex pieces` of the robot's meshes, once on a machine, and after it of the `sorting`.
 
     Returns:
         The database, open for reading. It has no row if none of `HOPELESS` batches of samples is free of collision.
 
     Raises:
-        InputError: the file is no database, or one for another robot, enclosure, margin, seed or spread.
+        FileError: the file is no database, or cannot be written.
+        DatabaseMismatchError: it is one for another robot, enclosure, margin, seed or spread.
+        InputError: a number is out of range, or there is no such spread.
     """
-    path = Path(file)
+    path = as_path("file", file)
+    size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
+    if spread not in (known := get_args(Spread)):
+        raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
     margins = margins or Margins()
     identity = Identity.of(robot, scene, margins)
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
+    link_bodies(robot, progress)
     with building(path, wait=wait), own_workers(workers) as pool:
         _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
@@ -105,8 +104,8 @@ def _add(path: Path, batches: Generator[Batch], pace: _Pace) -> None:
 class _Pace:
     """Reports rows and rate."""
 
-    def __init__(self, size: int, progress: Callable[[BuildProgress], None] | None) -> None:
-        self._size, self._progress = size, progress
+    def __init__(self, size: int, report: Report) -> None:
+        self._size, self._report = size, report
         self._began = time.perf_counter()
         self._inserted = 0
         self._there = 0
@@ -116,14 +115,11 @@ class _Pace:
             self._there = database.rows() - inserted
         self._inserted += inserted
         rate = self._inserted / max(time.perf_counter() - self._began, 1e-9)
-        self._report(BuildProgress(self._there + self._inserted, self._size, rate))
+        rows = self._there + self._inserted
+        self._report(Progress("start database", rows, max(rows, self._size), {"rows per second": rate}))
 
     def sorting(self, rows: int) -> None:
-        self._report(BuildProgress(rows, self._size, 0.0, sorting=True))
-
-    def _report(self, progress: BuildProgress) -> None:
-        if self._progress:
-            self._progress(progress)
+        self._report(Progress("sorting", 0, rows))
 
 
 def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database:
@@ -137,7 +133,7 @@ def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database
         found = database.metadata()
         for key, wanted in (("seed", seed), ("spread", spread)):
             if found[key] != wanted:
-                raise InputError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
+                raise DatabaseMismatchError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
     except InputError:
         database.close()
         raise

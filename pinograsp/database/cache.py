@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
-from ..disk import cache_folder
-from ..errors import InputError
+from ..disk import cache_folder, is_file, reason_of
+from ..errors import FileError, InputError
 from ..kinematics.robot import Robot
-from .build import BuildProgress, build_database
+from ..progress import Report, no_report
+from .build import build_database
 from .identity import Identity
 from .store import Database
 
@@ -26,7 +26,7 @@ def cached_database(
     margins: Margins,
     *,
     workers: int | None = None,
-    progress: Callable[[BuildProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> Database:
     """Return the small database of a robot, enclosure and margins; built on first use.
 
@@ -50,14 +50,14 @@ def _require_writable(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        problem = f"the cache folder cannot be written: {(error.strerror or str(error)).lower()}"
+        problem = f"the cache folder cannot be written: {reason_of(error)}"
         remedy = "Set PINOGRASP_CACHE to a folder that can, or give a database"
-        raise InputError(problem, file=folder, remedy=remedy) from None
+        raise FileError(problem, file=folder, remedy=remedy) from None
 
 
 def _complete(file: Path, identity: Identity) -> Database | None:
     """Return the database of a file, or None if it is not there or not complete."""
-    if not file.is_file():
+    if not is_file(file):
         return None
     database = Database.open(file)
     try:

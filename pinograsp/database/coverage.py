@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from .store import Database
 
 SECTORS = 24
@@ -22,9 +21,9 @@ class Coverage:
     """Corner of the first voxel, m, world, shape (3,)."""
     voxel: float
     """Edge of a voxel, m."""
-    counts: NDArray[np.int64]
+    counts: Integers
     """Configurations whose wrist is in the voxel, shape (nx, ny, nz)."""
-    directions: NDArray[np.int64]
+    directions: Integers
     """How many of the `SECTORS` approach directions are among them, shape (nx, ny, nz)."""
 
     @classmethod

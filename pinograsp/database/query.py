@@ -18,7 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, real_array
+from ..errors import UnknownNameError, close_names, real_number, require_kind, whole_number
 from ..geometry.cone import Cone
 from .store import Database
 
@@ -27,8 +28,10 @@ _CANDIDATES = 40
 _CELLS = 6
 """Cells along each axis of a region, for the spread."""
 _ROUND = "xor({0}, {0} >> 15) * 1540483477 % 4294967296"
-_HASH = _ROUND.format("(" + _ROUND.format("(sample + $seed * 1000003)") + ")")
-"""A scattered number of each sample and seed, from 0 to 2^32 - 1 (products stay below 2^63)."""
+_HASH = _ROUND.format("(" + _ROUND.format("((sample + $offset::BIGINT) % 4294967296)") + ")")
+"""A scattered number of each sample and offset, from 0 to 2^32 - 1 (products stay below 2^63)."""
+_STRIDE = 1000003
+"""Offset from one seed to the next; offsets are below 2^32."""
 
 Intervals = Mapping[str, Sequence[tuple[float, float]]]
 """Arm joints by name, with intervals, rad (m), of which one must hold the angle."""
@@ -72,7 +75,13 @@ def configurations_near(
         cone: approach directions wanted, world.
         joints: intervals of arm joints wanted.
         limit: at most so many rows.
+
+    Raises:
+        UnknownNameError: the database has no arm joint of a name.
+        InputError: a number is out of range or not finite.
     """
+    if limit is not None:
+        whole_number("limit", limit, 0)
     where, values = _condition(database, center, extent, cone, joints or {})
     most = "" if limit is None else f" LIMIT {int(limit)}"
     return _fetch(database, f"SELECT {_listed(database)} FROM configurations WHERE {where}{most}", values)
@@ -98,12 +107,18 @@ def spread_configurations(
         cone: approach directions wanted, world.
         joints: intervals of arm joints wanted.
         seed: of the choice within each class.
+
+    Raises:
+        UnknownNameError: the database has no arm joint of a name.
+        InputError: a number is out of range or not finite.
     """
+    whole_number("count", count, 0)
+    seed = whole_number("seed", seed, 0)
     where, values = _condition(database, center, extent, cone, joints or {})
     counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {where}", values).fetchall()
     there = int(counted[0][0])
     share = min(1.0, _CANDIDATES * count / there) if there else 1.0
-    values |= {"seed": seed, "below": int(share * 2**32)}
+    values |= {"offset": seed * _STRIDE % 2**32, "below": int(share * 2**32)}
     cell = 2.0 * float(np.max(extent)) / _CELLS
     signs = ", ".join(f"sin(q{i}) > 0" for i in range(1, min(len(database.joints()), 4) + 1))
     largest = "greatest(abs(ax), abs(ay), abs(az))"
@@ -122,20 +137,24 @@ def _condition(
     database: Database, center: Array, extent: float | Array, cone: Cone | None, joints: Intervals
 ) -> tuple[str, dict[str, Any]]:
     """Return a WHERE clause with its parameters."""
-    half = np.broadcast_to(np.asarray(extent, dtype=float), 3)
+    ball = np.ndim(extent) == 0
+    half = real_array("extent", np.broadcast_to(extent, 3) if ball else extent, 3)
+    real_number("extent", half.min(), 0.0)
+    middles = real_array("center", center, 3)
     values: dict[str, Any] = {}
     parts = []
-    for name, middle, reach in zip("xyz", np.asarray(center, dtype=float).tolist(), half.tolist(), strict=True):
+    for name, middle, reach in zip("xyz", middles.tolist(), half.tolist(), strict=True):
         values |= {f"{name}_low": middle - reach, f"{name}_high": middle + reach}
         # FLOAT bounds, like the column: a comparison in DOUBLE could not use the row groups' statistics.
         parts.append(f"{name} BETWEEN ${name}_low::FLOAT AND ${name}_high::FLOAT")
-        if np.ndim(extent) == 0:
+        if ball:
             values[f"{name}_center"] = middle
-    if np.ndim(extent) == 0:
+    if ball:
         square = " + ".join(f"({name} - ${name}_center) ** 2" for name in "xyz")
         parts.append(f"{square} <= $radius ** 2")
-        values["radius"] = float(extent)
+        values["radius"] = float(half[0])
     if cone is not None:
+        require_kind("cone", cone, Cone)
         values |= {
             "cone_x": cone.axis[0],
             "cone_y": cone.axis[1],
@@ -143,8 +162,11 @@ def _condition(
             "cosine": math.cos(cone.half_angle),
         }
         parts.append("ax * $cone_x + ay * $cone_y + az * $cone_z >= $cosine")
+    known = database.joints() if joints else []
     for name, intervals in joints.items():
-        column = f"q{database.joints().index(name) + 1}"
+        if name not in known:
+            raise UnknownNameError(f"there is no arm joint {name!r}", key="joints", remedy=close_names(name, known))
+        column = f"q{known.index(name) + 1}"
         choices = []
         for number, (low, high) in enumerate(intervals):
             values |= {f"{column}_low{number}": low, f"{column}_high{number}": high}

@@ -17,7 +17,8 @@ from typing import Any
 
 import duckdb
 
-from ..errors import InputError
+from ..disk import as_path, is_file, written_whole
+from ..errors import DatabaseMismatchError, FileError
 from .identity import Identity
 
 FORMAT = 1
@@ -52,34 +53,34 @@ class Database:
             read_only: others may read it at the same time, and nobody can change it.
 
         Raises:
-            InputError: the file is missing, damaged, foreign, of another format or in use.
+            FileError: the file is missing, damaged, foreign, of another format or in use.
         """
-        path = Path(file)
-        if not path.is_file():
-            raise InputError("no such database", file=path, remedy="Make it with `pinograsp database build`")
+        path = as_path("file", file)
+        if not is_file(path):
+            raise FileError("no such database", file=path, remedy="Make it with `pinograsp database build`")
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
         except duckdb.IOException as error:
             if "permission denied" in str(error).lower():
-                raise InputError("cannot be opened: permission denied", file=path, remedy="Check the file") from None
+                raise FileError("cannot be opened: permission denied", file=path, remedy="Check the file") from None
             if "lock" in str(error).lower():
-                raise InputError("is in use by another process", file=path, remedy="Wait until it is done") from None
-            raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+                raise FileError("is in use by another process", file=path, remedy="Wait until it is done") from None
+            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
         except duckdb.Error:
-            raise InputError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
         database = cls(path, connection)
         try:
             found = database.metadata()
             if found.get("application") != APPLICATION or found.get("format") != FORMAT:
-                raise InputError(
+                raise FileError(
                     f"is not a {APPLICATION} of format {FORMAT}; it was left as it is",
                     file=path,
                     remedy="Name another file",
                 )
         except duckdb.Error:
             database.close()
-            raise InputError(f"is a DuckDB file, but not a {APPLICATION}; it was left as it is", file=path) from None
-        except InputError:
+            raise FileError(f"is a DuckDB file, but not a {APPLICATION}; it was left as it is", file=path) from None
+        except FileError:
             database.close()
             raise
         return database
@@ -143,11 +144,11 @@ class Database:
         """Refuse the database unless it belongs to this robot, enclosure and margins.
 
         Raises:
-            InputError: it does not; the message says in what it differs.
+            DatabaseMismatchError: it does not; the message says in what it differs.
         """
         differences = self.identity.differences(wanted)
         if differences:
-            raise InputError(
+            raise DatabaseMismatchError(
                 "was made for " + " and ".join(differences),
                 file=self.file,
                 remedy="Build one for this robot and scene, or use the scene it was made for",
@@ -180,17 +181,17 @@ class Database:
     def export_parquet(self, file: Path | str) -> None:
         """Write the configurations as one Parquet file, q1 .. ql, rad (m), under the names of their joints.
 
+        The file is there whole or not at all.
+
         Raises:
-            InputError: the file cannot be written.
+            FileError: the file cannot be written.
         """
         names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
-        target = str(file).replace("'", "''")
         rows = f"SELECT {names}, {others} FROM configurations"
-        try:
+        with written_whole(as_path("file", file)) as unfinished:
+            target = str(unfinished).replace("'", "''")
             self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
-        except duckdb.IOException:
-            raise InputError("cannot be written", file=file, remedy="Check the folder") from None
 
 
 def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:

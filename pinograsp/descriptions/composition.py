@@ -1,4 +1,4 @@
-"""What a robot file says of URDFs: which ones, what of them is taken, how they are put together, where they are."""
+"""URDFs in a robot file: which ones, what of them is taken, how they are put together, where they are."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import InputError
+from ..errors import FileError
 from . import locate
-from .files import FileRoot, Format1, Frozen, Name
+from .model import FileRoot, Frozen
 from .pose import Pose
+from .values import Format1, Name
 
 
 class UrdfPart(Frozen):
-    """What is taken of one URDF: all, or what `root` carries, less what the links under `leave_out` carry."""
+    """The part that is taken of one URDF: all, or what `root` carries, less what the links under `leave_out` carry."""
 
     urdf: Name
     srdf: str | None = None
@@ -40,9 +41,11 @@ class UrdfFiles(NamedTuple):
 
 
 class Composition(FileRoot, UrdfPart):
-    """What a robot file says of URDFs: one, or several put together, and where they are."""
+    """The URDFs of a robot file: one, or several put together, and where they are."""
 
     format: Format1
+    source: Path
+    """Where the robot file was read from: what it names is found from there."""
     attach: tuple[Attachment, ...] = ()
     packages: tuple[Path, ...] = ()
     """Folders, besides those of the installed wheels, in which `package://` is looked up."""
@@ -64,7 +67,7 @@ class Composition(FileRoot, UrdfPart):
 
     @cached_property
     def attached_files(self) -> tuple[UrdfFiles, ...]:
-        """The files of what is attached."""
+        """Files of the attached URDFs."""
         return tuple(
             UrdfFiles(
                 self._resolve(f"attach[{i}].urdf", part.urdf),
@@ -84,7 +87,7 @@ class Composition(FileRoot, UrdfPart):
     def _resolve(self, key: str, address: str) -> Path:
         found = locate.resolve(address, beside=self.source, folders=self.folders)
         if found is None:
-            raise InputError(
+            raise FileError(
                 f"{address} was not found",
                 file=self.source,
                 key=key,

@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from .files import Frozen, Interval, Name, Number, Positive, ordered, wrong
+from .model import Frozen
 from .patches import Patch
+from .values import Interval, Name, Number, Positive, Table, empty, ordered, wrong
 
 _SYNERGY = "a synergy is one joint, or has a name and joints"
 _SYNERGY_REMEDY = "Write `joint: finger`, or `name: close` with `joints: {finger: 1.0, thumb: 0.5}`"
@@ -23,7 +24,7 @@ class SynergyDescription(Frozen):
     """URDF joint: the synergy is its angle, rad (m)."""
     name: Name | None = None
     """Of a synergy of several joints."""
-    joints: dict[Name, Number] = Field(default_factory=dict)
+    joints: Table[Name, Number] = Field(default_factory=empty)
     """Angle of each joint, rad (m), per unit of the synergy; it adds to the others' and to `HandDescription.rest`."""
     limits: Interval | None = None
     """Limits in rad (m), or in units of the synergy; what the URDF allows its joints if not given."""
@@ -67,7 +68,7 @@ class HandDescription(Frozen):
     """The hand's synergies: angles of its joints = rest + S sigma, where column k of S (3) is synergy k."""
 
     synergies: Annotated[tuple[SynergyDescription, ...], Field(min_length=1)]
-    rest: dict[Name, Number] = Field(default_factory=dict)
+    rest: Table[Name, Number] = Field(default_factory=empty)
     """Angles, rad (m), with all synergies at 0; 0 if not given. A joint of no synergy stays there."""
 
     @model_validator(mode="after")
@@ -95,13 +96,13 @@ class HandDescription(Frozen):
 class HardFinger(Frozen):
     """Point contact with friction: three force components (the paper's model)."""
 
-    model: Literal["hard_finger"]
+    model: Literal["hard_finger"] = "hard_finger"
 
 
 class SoftFinger(Frozen):
     """Hard finger plus the spin torque about the normal, as a rubber pad gives it."""
 
-    model: Literal["soft_finger"]
+    model: Literal["soft_finger"] = "soft_finger"
     torsion_radius: Positive
     """e in the friction term norm(f, m_n / e), m."""
     torsional_stiffness: Positive

@@ -10,7 +10,8 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from ..errors import InputError, close_names
+from ..disk import is_file
+from ..errors import FileError, InputError, close_names
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -34,7 +35,7 @@ def shipped_scenes() -> dict[str, Path]:
 def robot_file(name: str | Path) -> Path:
     """Find a robot file by path (the file or its folder) or by the name of a shipped robot."""
     path = _expanded(name)
-    if path.is_dir() and (path / "robot.yaml").is_file():
+    if is_file(path / "robot.yaml"):
         return path / "robot.yaml"
     return _by_path_or_name(path, "robot", shipped_robots())
 
@@ -50,17 +51,19 @@ def _expanded(name: str | Path) -> Path:
         return Path(name).expanduser()
     except RuntimeError:
         return Path(name)
+    except TypeError:
+        raise InputError(f"a path or a name is wanted, not {name!r}") from None
 
 
 def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
-    if path.is_file():
+    if is_file(path):
         return path
     parts = [part for part in path.parts if part not in {f"{kind}s", "robot.yaml"}]
     if not path.is_absolute() and len(parts) == 1:
         name = parts[0].removesuffix(".yaml")
         if name in shipped:
             return shipped[name]
-    raise InputError(
+    raise FileError(
         f"no such {kind} file, and no shipped {kind} has this name",
         file=path,
         remedy=close_names(path.stem if kind == "scene" else path.name, list(shipped)),
@@ -101,6 +104,6 @@ def resolve(address: str, *, beside: Path, folders: list[Path]) -> Path | None:
     allowed = [home, *(folder.resolve() for folder in folders)]
     for candidate in candidates:
         real = candidate.resolve()
-        if real.is_file() and any(real.is_relative_to(folder) for folder in allowed):
+        if is_file(real) and any(real.is_relative_to(folder) for folder in allowed):
             return real
     return None

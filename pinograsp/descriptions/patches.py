@@ -18,9 +18,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from .files import Frozen, Interval, Number, Vector3, ordered, wrong
-
-Radius = Annotated[Number, Field(gt=0.0)]
+from ..arrays import Array
+from ..frozen import frozen
+from .model import Frozen
+from .values import Interval, NotNegative, Positive, Vector3, ordered, wrong
 
 
 class _Framed(Frozen):
@@ -49,12 +50,12 @@ class _Framed(Frozen):
         return self
 
     @cached_property
-    def rotation(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    def rotation(self) -> Array:
         """Rotation (3, 3) of the patch frame in the link frame; columns x, y, normal."""
         normal = np.array(self.normal) / np.linalg.norm(self.normal)  # a file gives a few digits
         x_axis = np.array(self.x_axis) - np.dot(self.x_axis, normal) * normal
         x_axis /= np.linalg.norm(x_axis)
-        return np.column_stack([x_axis, np.cross(normal, x_axis), normal])
+        return np.asarray(frozen(np.column_stack([x_axis, np.cross(normal, x_axis), normal])))
 
     @property
     def parameters(self) -> tuple[Interval, ...]:
@@ -66,7 +67,7 @@ class _Framed(Frozen):
 class PlanePatch(_Framed):
     """A rectangle."""
 
-    type: Literal["plane"]
+    type: Literal["plane"] = "plane"
     v: Interval
     """Range of the second contact parameter, along normal cross x_axis, m."""
 
@@ -74,16 +75,16 @@ class PlanePatch(_Framed):
 class LinePatch(_Framed):
     """A segment of a flat face: contact is wanted on the segment, and the face is tangent to the object there."""
 
-    type: Literal["line"]
-    width: Annotated[Number, Field(ge=0.0)] = 0.0
+    type: Literal["line"] = "line"
+    width: NotNegative = 0.0
     """Of the face, half to each side of the segment: so far across it the footprint of a contact reaches, m."""
 
 
 class CylinderPatch(_Framed):
     """A part of a cylinder's side."""
 
-    type: Literal["cylinder"]
-    radius: Radius
+    type: Literal["cylinder"] = "cylinder"
+    radius: Positive
     """m."""
     v: Interval
     """Range of the angle about the axis, rad, within -pi .. pi."""
@@ -97,8 +98,8 @@ class CylinderPatch(_Framed):
 class SpherePatch(_Framed):
     """A part of a sphere."""
 
-    type: Literal["sphere"]
-    radius: Radius
+    type: Literal["sphere"] = "sphere"
+    radius: Positive
     """m."""
     v: Interval
     """Range of the second angle, rad, within -1.5 .. 1.5 (its poles have no direction)."""

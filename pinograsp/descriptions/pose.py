@@ -1,4 +1,4 @@
-"""A pose in YAML: position and roll, pitch, yaw."""
+"""Poses: position and roll, pitch, yaw."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, real_array
 from ..errors import InputError
-from .files import Frozen, Vector3
+from ..frozen import frozen
+from .model import Frozen
+from .values import Vector3
 
 ZERO: Vector3 = (0.0, 0.0, 0.0)
 
@@ -18,7 +20,9 @@ class Pose(Frozen):
     """A frame in another one: position (m) and roll, pitch, yaw (rad) about the fixed axes x, y, z, as in URDF."""
 
     position: Vector3 = ZERO
+    """Origin of the frame, m."""
     rpy: Vector3 = ZERO
+    """Roll, pitch and yaw: turns about the fixed x, then y, then z, rad."""
 
     @classmethod
     def of(cls, T: Array) -> Pose:
@@ -27,12 +31,10 @@ class Pose(Frozen):
         Raises:
             InputError: it is none.
         """
-        matrix = np.asarray(T, dtype=np.float64)
-        if matrix.shape != (4, 4):
-            raise InputError(f"has shape {matrix.shape}, not (4, 4)", key="pose")
+        matrix = real_array("pose", T, 4, 4)
         R = matrix[:3, :3]
         rigid = np.allclose(R.T @ R, np.eye(3), atol=1e-6) and np.linalg.det(R) > 0.0
-        if not (np.isfinite(matrix).all() and rigid and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0])):
+        if not (rigid and np.allclose(matrix[3], [0.0, 0.0, 0.0, 1.0])):
             raise InputError("is no homogeneous transform: a rotation and a translation are wanted", key="pose")
         across = math.hypot(R[0, 0], R[1, 0])
         pitch = math.atan2(-R[2, 0], across)
@@ -45,7 +47,7 @@ class Pose(Frozen):
 
     @cached_property
     def matrix(self) -> Array:
-        """Homogeneous transform of the frame in the other one, shape (4, 4)."""
+        """Homogeneous transform of the frame in the other one, m, shape (4, 4); read-only."""
         (cr, cp, cy), (sr, sp, sy) = (
             [math.cos(a) for a in self.rpy],
             [math.sin(a) for a in self.rpy],
@@ -57,4 +59,4 @@ class Pose(Frozen):
             [-sp, cp * sr, cp * cr],
         ]
         T[:3, 3] = self.position
-        return T
+        return np.asarray(frozen(T))

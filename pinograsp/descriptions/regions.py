@@ -11,72 +11,76 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from .files import Frozen, Number, OrderedInterval, UnitVector3, Vector3
-
-Positive = Annotated[Number, Field(gt=0.0)]
+from .model import Frozen
+from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3
 
 
 class HalfSpace(Frozen):
     """Points p with normal . p >= offset; the normal has length 1."""
 
-    type: Literal["half_space"]
+    type: Literal["half_space"] = "half_space"
     normal: UnitVector3
+    """Length 1, into the half-space."""
     offset: Number
-    """m"""
+    """Of the plane from the origin along the normal, m."""
 
 
 class Band(Frozen):
     """Points between two heights z: a ring of a cylinder's side, a zone of a sphere."""
 
-    type: Literal["band"]
+    type: Literal["band"] = "band"
     z: OrderedInterval
-    """m"""
+    """Lower and upper height, m."""
 
 
 class Sector(Frozen):
     """Points whose angle about z, from x towards y, is within `half_width` of `middle`."""
 
-    type: Literal["sector"]
+    type: Literal["sector"] = "sector"
     middle: Number
-    """rad"""
+    """rad."""
     half_width: Annotated[Number, Field(gt=0.0, lt=math.pi)]
-    """rad"""
+    """rad."""
 
 
 class Ball(Frozen):
     """Points within `radius` of `center`, m."""
 
-    type: Literal["ball"]
+    type: Literal["ball"] = "ball"
     center: Vector3
+    """m."""
     radius: Positive
+    """m."""
 
 
 class Cuboid(Frozen):
-    """Points between two corners, m."""
+    """Points between two corners of a box, m, edges along the axes."""
 
-    type: Literal["box"]
+    type: Literal["box"] = "box"
     min: Vector3
+    """Corner of the least coordinates, m."""
     max: Vector3
+    """Corner of the greatest coordinates, m."""
 
 
 class AllOf(Frozen):
     """Points in every part."""
 
-    type: Literal["all_of"]
+    type: Literal["all_of"] = "all_of"
     parts: Annotated[tuple[Region, ...], Field(min_length=1)]
 
 
 class AnyOf(Frozen):
     """Points in some part."""
 
-    type: Literal["any_of"]
+    type: Literal["any_of"] = "any_of"
     parts: Annotated[tuple[Region, ...], Field(min_length=1)]
 
 
 class Outside(Frozen):
     """Points that are not in the part."""
 
-    type: Literal["outside"]
+    type: Literal["outside"] = "outside"
     part: Region
 
 

@@ -14,11 +14,11 @@ from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
-from ..errors import close_names
 from . import locate
 from .composition import Composition
-from .files import Frozen, Interval, Name, Positive, ordered, read_file, wrong
 from .hand import HandDescription, PadDescription, StiffnessDescription
+from .model import Frozen
+from .values import Interval, Name, Positive, Table, empty, ordered, unknown, wrong
 
 
 class ArmDescription(Frozen):
@@ -27,7 +27,7 @@ class ArmDescription(Frozen):
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
     wrist: Name
     """Link whose origin says where the wrist is (its z axis is the approach direction)."""
-    limits: dict[Name, Interval] = Field(default_factory=dict)
+    limits: Table[Name, Interval] = Field(default_factory=empty)
     """Limits in rad (m) that replace those of the URDF. A continuous joint has +-2 pi if none is given."""
 
     @field_validator("joints")
@@ -40,8 +40,7 @@ class ArmDescription(Frozen):
     def _limits_known(self) -> ArmDescription:
         for name, interval in self.limits.items():
             if name not in self.joints:
-                remedy = close_names(name, list(self.joints))
-                raise wrong(f"{name!r} is not among the arm's joints", "limits", name, remedy=remedy)
+                raise unknown(f"{name!r} is not among the arm's joints", name, list(self.joints), "limits", name)
             ordered(interval, "limits", name)
         return self
 
@@ -63,7 +62,7 @@ class CollisionDescription(Frozen):
     """Largest number of pieces of a mesh; 1: its convex hull."""
     tolerance: Positive = 0.004
     """A piece is not divided any more if 95 % of its outer surface are this near to the mesh, m."""
-    links: dict[Name, LinkCollisionDescription] = Field(default_factory=dict)
+    links: Table[Name, LinkCollisionDescription] = Field(default_factory=empty)
 
     def of(self, link: str) -> tuple[int, float]:
         """Return number of pieces and tolerance, m, for the meshes of a link."""
@@ -103,7 +102,10 @@ def load_robot_description(name: str | Path) -> RobotDescription:
     Raises:
         InputError: the file, its URDF or its SRDF is missing, or a key or value is wrong.
     """
-    description = read_file(locate.robot_file(name), RobotDescription)
+    file = locate.robot_file(name)
+    from .files import read_file  # YAML, which those of a result do not need
+
+    description = read_file(file, RobotDescription)
     _ = description.files
     return description
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..disk import digest, digest_of
-from ..errors import InputError
+from ..errors import FileError
 from .composition import Composition
 from .urdf import RobotUrdf
 
@@ -23,26 +23,19 @@ def hashes_of(robot: Composition, urdf: RobotUrdf) -> Hashes:
         urdf: composed from it.
 
     Raises:
-        InputError: a file cannot be read.
+        FileError: one cannot be read.
     """
     meshes = (Path(mesh.get("filename", "")) for mesh in urdf.tree.iterfind("link/collision/geometry/mesh"))
-    content = "".join(_hash(file) for file in dict.fromkeys(meshes))
-    return {key: _hash(file) for key, file in robot.files.items()} | {"meshes": digest(content.encode())}
+    content = "".join(digest_of(file) for file in dict.fromkeys(meshes))
+    return {key: digest_of(file) for key, file in robot.files.items()} | {"meshes": digest(content.encode())}
 
 
 def require_same(robot: Composition, loaded: Hashes, now: Hashes) -> None:
     """Refuse a robot whose files are not those that it was loaded from.
 
     Raises:
-        InputError: they differ; the keys are named.
+        FileError: they differ; the keys are named.
     """
     if changed := [key for key in loaded.keys() | now.keys() if loaded.get(key) != now.get(key)]:
         problem = f"{', '.join(sorted(changed))} changed since the robot was loaded"
-        raise InputError(problem, file=robot.source, remedy="Load it again")
-
-
-def _hash(file: Path) -> str:
-    try:
-        return digest_of(file)
-    except OSError as error:
-        raise InputError(f"cannot be read: {(error.strerror or str(error)).lower()}", file=file) from None
+        raise FileError(problem, file=robot.source, remedy="Load it again")

@@ -1,46 +1,58 @@
-"""The scene file: enclosure, mounting of the arm, obstacles, objects and tasks.
+"""Scenes: enclosure, mounting of the arm, obstacles, objects and tasks; read from a file or made in Python.
 
-World frame as the file's author chooses it; lengths in metres, angles in radians, forces in newtons.
+World frame as the scene's author chooses it; lengths in metres, angles in radians, forces in newtons.
 """
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
+from .. import notebook
 from ..arrays import Array
-from ..errors import InputError, close_names
+from ..disk import digest
+from ..errors import InputError, UnknownNameError, close_names, require_kind
+from ..frozen import FrozenMapping, frozen
 from . import locate
-from .files import FileRoot, Format1, Frozen, Number, OrderedInterval, UnitVector3, Vector3, read_file, wrong
 from .hand import ContactModel
+from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
+from .problems import INTERNAL, input_error
 from .regions import AllOf, Outside, Region
-from .shapes import Shape
-
-Name = Annotated[str, Field(min_length=1)]
-
-
-def _without_slash(name: str) -> str:
-    if "/" in name or "\\" in name:
-        raise ValueError("a slash is not allowed: the name becomes part of a file's name")
-    return name
-
-
-FileName = Annotated[Name, AfterValidator(_without_slash)]
-Positive = Annotated[Number, Field(gt=0.0)]
-NotNegative = Annotated[Number, Field(ge=0.0)]
+from .shapes import Shape, ShapeDescription
+from .values import (
+    ABSENT,
+    FileName,
+    Format1,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Range,
+    Table,
+    UnitVector3,
+    Vector3,
+    empty,
+    listed,
+    unknown,
+    wrong,
+)
 
 
 class Enclosure(Frozen):
     """The inside of a box-shaped room, m, edges along the world axes; its six walls are half-spaces."""
 
     min: Vector3
+    """Corner of the least coordinates, m, world."""
     max: Vector3
+    """Corner of the greatest coordinates, m, world."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Enclosure:
@@ -50,14 +62,14 @@ class Enclosure(Frozen):
         return self
 
     @cached_property
-    def walls(self) -> dict[str, tuple[Array, float]]:
-        """Name to (inward normal n, offset d): the inside is n . p >= d."""
+    def walls(self) -> Mapping[str, tuple[Array, float]]:
+        """Name to (inward normal n, shape (3,), and offset d, m): the inside is n . p >= d, world."""
         walls: dict[str, tuple[Array, float]] = {}
         for axis, letter in enumerate("xyz"):
             inward = np.eye(3)[axis]
             walls[f"wall {letter}={self.min[axis]:g}"] = (inward, self.min[axis])
             walls[f"wall {letter}={self.max[axis]:g}"] = (-inward, -self.max[axis])
-        return walls
+        return FrozenMapping(walls)
 
 
 class Body(Frozen):
@@ -65,6 +77,7 @@ class Body(Frozen):
 
     shape: Shape
     pose: Pose = Pose()
+    """Of the shape's frame in the world, m and rad."""
 
 
 class Object(Body):
@@ -77,21 +90,23 @@ class Object(Body):
 
     @cached_property
     def center_of_mass_world(self) -> Array:
-        """Centre of mass in the world, m, shape (3,)."""
+        """Centre of mass in the world, m, shape (3,); read-only."""
         T = self.pose.matrix
-        return np.asarray(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3])
+        return np.asarray(frozen(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3]))
 
 
 class Wrench(Frozen):
     """External wrench on the object: force, N, and torque about the centre of mass, N m, world frame."""
 
     force: Vector3
+    """N, world."""
     torque: Vector3 = ZERO
+    """About the centre of mass, N m, world."""
 
     @cached_property
     def vector(self) -> Array:
-        """The wrench as (force, torque), shape (6,)."""
-        return np.array([*self.force, *self.torque])
+        """The wrench as (force, torque), N and N m, shape (6,); read-only."""
+        return np.asarray(frozen(np.array([*self.force, *self.torque])))
 
 
 class ContactConstants(Frozen):
@@ -117,11 +132,11 @@ class Margins(Frozen):
     """Least distances, m."""
 
     enclosure: NotNegative = 0.005
-    """Robot to walls, obstacles and other objects (16)."""
+    """Robot to walls, obstacles and other objects (16), m."""
     robot: NotNegative = 0.005
-    """Robot to itself."""
+    """Robot to itself, m."""
     object: NotNegative = 0.001
-    """Links that are no pads, and what stands out beside a pad, to the object: only pads are to carry it."""
+    """Links that are no pads, and what stands out beside a pad, to the object, m: only pads are to carry it."""
 
 
 class Reserves(Frozen):
@@ -141,19 +156,30 @@ class ApproachCone(Frozen):
     """A cone of approach directions: the wrist's z axis lies within `angle` of `direction`."""
 
     direction: UnitVector3
-    """Where the hand points, length 1: [0, 0, -1] is from above."""
+    """Where the hand points, length 1: (0, 0, -1) is from above."""
     angle: Annotated[Number, Field(gt=0.0, le=math.pi)]
     """Half-angle of the cone, rad."""
     frame: Literal["world", "object"] = "world"
     """Frame of `direction`."""
 
 
+class JointInterval(NamedTuple):
+    """An interval in which an arm joint or a synergy is to be, rad (m)."""
+
+    key: Literal["joint_ranges", "lock"]
+    """Of the task, where it stands."""
+    name: str
+    lower: float
+    upper: float
+
+
 class Task(Frozen):
-    """An object to hold: where, against which wrench, with how much room."""
+    """A job for the hand: which object to hold, where, and against which wrench."""
 
     object: Name
-    desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2)]
-    """Desired contact points on the object's surface, m, in the object's frame; one for each pad."""
+    """Name of an object of the scene."""
+    desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
+    """Desired contact points on the object's surface, in the object's frame, m; one for each pad."""
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
     wrench: Wrench
@@ -174,10 +200,15 @@ class Task(Frozen):
     """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
     approach: ApproachCone | None = None
     """Approach directions that are wanted; every direction if not given."""
-    joint_ranges: dict[Name, OrderedInterval] = Field(default_factory=dict)
-    """Ranges of arm joints and synergies within the robot's limits, rad (m).
+    joint_ranges: Table[Name, Range] = Field(default_factory=empty)
+    """Ranges of arm joints and synergies within the robot's limits, rad (m); one of no width locks its joint.
 
     Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
+    """
+    lock: Table[Name, Number] = Field(default_factory=empty)
+    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve.
+
+    Whole turns of a continuous joint do not count. A joint may have a range, too, which then has to hold the value.
     """
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
@@ -197,71 +228,218 @@ class Task(Frozen):
         """Where contact may be: allowed and not forbidden; None for everywhere."""
         parts: list[Region] = [] if self.allowed_contacts is None else [self.allowed_contacts]
         if self.forbidden_contacts is not None:
-            parts.append(Outside(type="outside", part=self.forbidden_contacts))
-        return AllOf(type="all_of", parts=tuple(parts)) if len(parts) > 1 else parts[0] if parts else None
+            parts.append(Outside(part=self.forbidden_contacts))
+        return AllOf(parts=tuple(parts)) if len(parts) > 1 else parts[0] if parts else None
+
+    @cached_property
+    def intervals(self) -> tuple[JointInterval, ...]:
+        """All that the task asks of joints: the ranges, then the locks as intervals of no width, rad (m)."""
+        ranges = (JointInterval("joint_ranges", name, *ends) for name, ends in self.joint_ranges.items())
+        locks = (JointInterval("lock", name, value, value) for name, value in self.lock.items())
+        return (*ranges, *locks)
 
 
 class Scene(FileRoot):
-    """A scene file."""
+    """Enclosure, obstacles, objects and tasks.
 
-    format: Format1
+    Scenes are equal if they say the same, wherever they come from.
+    """
+
+    format: Format1 = 1
+    source: Path | None = Field(default=None, init=False, repr=False)
+    """The file that it was read from; None if it was made in Python, by changing another one too."""
+    digest: str = Field(default="", init=False, repr=False)
+    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
     name: FileName
     description: str = ""
     enclosure: Enclosure
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
-    obstacles: dict[Name, Body] = Field(default_factory=dict)
-    objects: dict[Name, Object]
-    tasks: dict[FileName, Task]
+    obstacles: Table[Name, Body] = Field(default_factory=empty)
+    """Bodies that stay where they are, by name."""
+    objects: Table[Name, Object]
+    """Bodies to grasp, by name."""
+    tasks: Table[FileName, Task]
+    """Tasks by name."""
 
     @model_validator(mode="after")
-    def _references(self) -> Scene:
+    def _references(self) -> Self:
         for name, task in self.tasks.items():
             if task.object not in self.objects:
-                remedy = close_names(task.object, list(self.objects))
-                raise wrong(f"no object {task.object!r} is defined", "tasks", name, "object", remedy=remedy)
+                problem = f"no object {task.object!r} is defined"
+                raise unknown(problem, task.object, list(self.objects), "tasks", name, "object")
         for name in self.obstacles:
             if name in self.objects:
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
         return self
 
+    @model_validator(mode="after")
+    def _digested(self) -> Self:
+        if self.source is None or not self.digest:
+            content = json.dumps(self.to_dict(), sort_keys=True)
+            self.__dict__["digest"] = digest(content.encode())
+        return self
+
+    def _repr_html_(self) -> str:
+        """Return the bodies and the tasks as tables, as a notebook shows them."""
+        low, high = (_in_brackets(corner) for corner in (self.enclosure.min, self.enclosure.max))
+        bodies = [
+            notebook.row((name, role, _shown(body.shape), _in_brackets(body.pose.position)))
+            for role, named in (("object", self.objects), ("obstacle", self.obstacles))
+            for name, body in named.items()
+        ]
+        tasks = [
+            notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
+            for name, task in self.tasks.items()
+        ]
+        caption = f"Scene {self.name}: enclosure from {low} to {high} m"
+        listed = notebook.table(caption, bodies, ("body", "role", "shape, m", "position, m"))
+        return listed + notebook.table("Tasks", tasks, ("task", "object", "external force, N", "friction"))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another scene says the same."""
+        return self.to_dict() == other.to_dict() if isinstance(other, Scene) else NotImplemented
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the scene that a file of this content would give.
+
+        Args:
+            data: the content of a YAML file, `format: 1` and every `type` included.
+
+        Raises:
+            InputError: a key is unknown or missing, or a value is wrong; the message names the key.
+        """
+        if not isinstance(data, Mapping):
+            raise InputError(f"must be a mapping of keys, not {data!r}", key="data")
+        for reserved in INTERNAL:
+            if reserved in data:
+                raise InputError("unknown key", key=reserved, remedy="Remove it")
+        return cls._made({"format": ABSENT, **data})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the content as a YAML file has it: lists, texts, numbers and dicts of these; `from_dict` reads it."""
+        return self.model_dump(mode="json", exclude={*INTERNAL}, exclude_none=True)
+
     def task(self, name: str) -> Task:
         """Return a task by name.
 
         Raises:
-            InputError: there is none of this name.
+            UnknownNameError: there is none of this name.
         """
-        if name not in self.tasks:
-            remedy = close_names(name, list(self.tasks))
-            raise InputError(f"no task {name!r} in this scene", file=self.source, key="tasks", remedy=remedy)
+        self._require("task", name, self.tasks)
         return self.tasks[name]
 
-    def with_object_pose(self, name: str, pose: Pose) -> Scene:
+    def with_object_pose(self, name: str, pose: Pose | Array) -> Self:
         """Return the scene with an object at another pose.
 
         Args:
             name: of the object.
-            pose: of the object in the world.
+            pose: of the object in the world; as an array: homogeneous, m, shape (4, 4).
 
         Raises:
-            InputError: there is no object of this name.
+            UnknownNameError: there is no object of this name.
+            InputError: the array is no pose.
         """
-        if name not in self.objects:
-            remedy = close_names(name, list(self.objects))
-            raise InputError(f"no object {name!r} in this scene", file=self.source, key="objects", remedy=remedy)
-        body = self.objects[name].model_copy(update={"pose": pose})
-        return self.changed(objects={**self.objects, name: body})
+        self._require("object", name, self.objects)
+        there = pose if isinstance(pose, Pose) else Pose.of(pose)
+        return self._with("objects", name, {**self.objects[name].fields(), "pose": there})
+
+    def with_object(self, name: str, object: Object) -> Self:
+        """Return the scene with an object more, or with another one of a name.
+
+        Args:
+            name: of the object.
+            object: as it is from now on.
+
+        Raises:
+            InputError: an obstacle has this name, or it is no object.
+        """
+        return self._with("objects", name, object)
+
+    def with_obstacle(self, name: str, body: Body) -> Self:
+        """Return the scene with an obstacle more, or with another one of a name.
+
+        Args:
+            name: of the obstacle.
+            body: as it is from now on.
+
+        Raises:
+            InputError: an object has this name, or it is no body.
+        """
+        return self._with("obstacles", name, body)
+
+    def with_task(self, name: str, task: Task | None = None, **changes: Any) -> Self:
+        """Return the scene with a task more, or with another one of a name.
+
+        Args:
+            name: of the task.
+            task: to take; None: the scene's own task of this name, changed.
+            changes: keys of the task with other values, such as `lock={"joint_7": 0.0}`.
+
+        Raises:
+            UnknownNameError: no task is given and there is none of this name, or its object is not in the scene.
+            InputError: a change is of an unknown key, or a value is wrong.
+        """
+        if task is None:
+            task = self.task(name)
+        if changes:
+            require_kind("task", task, Task)
+        return self._with("tasks", name, {**task.fields(), **changes} if changes else task)
+
+    def changed(self, **fields: Any) -> Self:
+        """Return the scene with some fields replaced, validated as a file is.
+
+        Raises:
+            InputError: a field is unknown, or a value is wrong; the message names the key.
+        """
+        content = {name: value for name, value in self.fields().items() if name not in INTERNAL}
+        return self._made({**content, **fields})
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; with some fields changed as `changed` returns it."""
+        return self.changed(**update) if update else super().model_copy(deep=deep)
 
     def bodies_besides(self, task: Task) -> dict[str, Body]:
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
 
+    def _with(self, table: str, name: str, part: object) -> Self:
+        require_kind("name", name, str)
+        return self.changed(**{table: {**getattr(self, table), name: part}})
+
+    @classmethod
+    def _made(cls, content: Mapping[str, Any]) -> Self:
+        try:
+            return cls.model_validate(content)
+        except ValidationError as error:
+            raise input_error(error, cls, content) from None
+
+    def _require(self, what: str, name: str, known: Mapping[str, Any]) -> None:
+        if not isinstance(name, str) or name not in known:
+            remedy = close_names(name, known)
+            raise UnknownNameError(f"no {what} {name!r} in this scene", file=self.source, key=f"{what}s", remedy=remedy)
+
 
 def load_scene(name: str | Path) -> Scene:
     """Read a scene file, given by path or by the name of a shipped scene.
 
     Raises:
-        InputError: the file is missing, or a key or value is wrong.
+        FileError: the file is missing, cannot be read or is not YAML.
+        InputError: a key or value is wrong; the message names file, line and key.
     """
-    return read_file(locate.scene_file(name), Scene)
+    file = locate.scene_file(name)
+    from .files import read_file  # YAML, which those of a result do not need
+
+    return read_file(file, Scene)
+
+
+def _in_brackets(numbers: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{number:g}" for number in numbers) + ")"
+
+
+def _shown(shape: ShapeDescription) -> str:
+    sizes = shape.model_dump(exclude={"type"}).items()
+    shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
+    return ", ".join([shape.type, *shown])

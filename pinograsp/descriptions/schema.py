@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
+from ..errors import UnknownNameError, close_names
+from .problems import INTERNAL
 from .robot import RobotDescription
 from .scene import Scene
 
@@ -14,12 +16,26 @@ _MODELS: dict[str, type[BaseModel]] = {"robot": RobotDescription, "scene": Scene
 
 def schema(kind: Literal["robot", "scene"]) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file."""
+    if not isinstance(kind, str) or kind not in _MODELS:
+        remedy = close_names(kind, _MODELS)
+        raise UnknownNameError(f"there are no files of kind {kind!r}", key="kind", remedy=remedy)
     result: dict[str, Any] = _MODELS[kind].model_json_schema()
-    for internal in ("source", "digest"):  # set by the reader, never written in a file
+    for internal in INTERNAL:  # set by the reader, never written in a file
         result["properties"].pop(internal)
-        result["required"].remove(internal)
+    for block in (result, *result["$defs"].values()):
+        _require(block)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **result,
         "title": f"pinograsp {kind} file",
     }
+
+
+def _require(block: dict[str, Any]) -> None:
+    """Have files give the format and the tags by which blocks are told apart, though in Python the class says them."""
+    properties = block.get("properties", {})
+    tags = [name for name, value in properties.items() if "const" in value]
+    for name in tags:
+        properties[name].pop("default", None)
+    if required := {*tags, *block.get("required", [])}:
+        block["required"] = [name for name in properties if name in required]

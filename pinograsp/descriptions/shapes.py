@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator
 
-from .files import Frozen, Number
 from .kinds import Kinds
-
-Length = Annotated[Number, Field(gt=0.0)]
+from .model import Frozen
+from .values import Positive, listed
 
 
 class ShapeDescription(Frozen):
@@ -25,24 +24,27 @@ class ShapeDescription(Frozen):
 class Sphere(ShapeDescription):
     """A ball around the origin of its frame; its radius in m."""
 
-    type: Literal["sphere"]
-    radius: Length
+    type: Literal["sphere"] = "sphere"
+    radius: Positive
+    """m."""
 
 
 class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
 
-    type: Literal["box"]
-    size: tuple[Length, Length, Length]
+    type: Literal["box"] = "box"
+    size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     """Edge lengths along x, y, z, m."""
 
 
 class Cylinder(ShapeDescription):
     """A cylinder around the z axis of its frame, centred at the origin; radius and height in m."""
 
-    type: Literal["cylinder"]
-    radius: Length
-    height: Length
+    type: Literal["cylinder"] = "cylinder"
+    radius: Positive
+    """m."""
+    height: Positive
+    """Along z, m."""
 
 
 SHAPES = Kinds(Sphere, Box, Cylinder)

@@ -15,7 +15,8 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import InputError, close_names
+from ..disk import content_of
+from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
 from .locate import resolve
 from .urdf_checks import check_tree, number
@@ -118,7 +119,7 @@ def _resolved(name: str, steps: dict[str, Mimic], movable: list[str], file: Path
     for _ in range(len(steps) + 1):
         if leader not in movable:
             remedy = close_names(leader, movable)
-            raise InputError(f"mimics {leader!r}, which is no joint", file=file, key=name, remedy=remedy)
+            raise UnknownNameError(f"mimics {leader!r}, which is no joint", file=file, key=name, remedy=remedy)
         if leader not in steps:
             return Mimic(leader, multiplier, offset)
         step = steps[leader]
@@ -148,13 +149,17 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
 
 
 def parse(file: Path, tag: str) -> ET.Element:
-    """Read an XML file whose root element is `tag`."""
+    """Read an XML file whose root element is `tag`.
+
+    Raises:
+        FileError: it cannot be read, is no XML, or has another root element.
+    """
     try:
-        root = ET.parse(file).getroot()
-    except ET.ParseError as error:
-        raise InputError(f"is not valid XML: {error}", file=file) from None
+        root = ET.fromstring(content_of(file))
+    except (ET.ParseError, ValueError) as error:  # the latter where it names an encoding that there is not
+        raise FileError(f"is not valid XML: {error}", file=file) from None
     if root.tag != tag:
-        raise InputError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
+        raise FileError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
     return root
 
 
@@ -224,7 +229,7 @@ def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: s
     known = _names(tree, "link")
     if name not in known:
         problem = f"link {name!r} is not in {file.name}"
-        raise InputError(problem, file=robot.source, key=key, remedy=close_names(name, known))
+        raise UnknownNameError(problem, file=robot.source, key=key, remedy=close_names(name, known))
 
 
 def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
@@ -238,7 +243,7 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
                     mesh.set("filename", str(found))
                 elif kind == "collision":
                     looked = ", ".join(str(folder) for folder in [file.parent, *robot.folders])
-                    raise InputError(
+                    raise FileError(
                         f"mesh {address} was not found",
                         file=file,
                         key=f"link {link.get('name')}",

@@ -7,10 +7,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Indices, Mask
 
 _TOUCHING = 1e-6
 """Faces that meet are the same up to this, m."""
@@ -45,9 +44,9 @@ class Hull:
         self._offsets: Array = hull.equations[:, 3]
         self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
-    def holds(self, points: Array) -> NDArray[np.bool_]:
+    def holds(self, points: Array) -> Mask:
         """Return which of the points, shape (n, 3), are in the hull or on it."""
-        inside: NDArray[np.bool_] = ((points >= self._low) & (points <= self._high)).all(axis=1)
+        inside: Mask = ((points >= self._low) & (points <= self._high)).all(axis=1)
         inside[inside] = (points[inside] @ self._normals.T <= _TOUCHING - self._offsets).all(axis=1)
         return inside
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from .hulls import Hull
 from .mesh_surface import MeshSurface
 
@@ -45,7 +44,7 @@ class TriangleMesh:
         groups = trimesh.graph.connected_components(self._merged.edges, nodes=self._merged.faces.ravel())
         return np.array([self._merged.vertices[group[0]] for group in groups], dtype=np.float64)
 
-    def surrounds(self, points: Array) -> NDArray[np.bool_]:
+    def surrounds(self, points: Array) -> Mask:
         """Return which of the points, shape (n, 3), m, the mesh encloses; small holes do not spoil it.
 
         Raises:

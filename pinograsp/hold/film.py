@@ -15,10 +15,9 @@ from ..arrays import Array
 from ..disk import write_whole
 from ..errors import InputError
 from ..results import Grasp
-from .library import mujoco
+from .library import mujoco, pillow
 from .mjcf import OBJECT, TIMESTEP, HandAndObject
 from .options import HoldOptions
-from .run import setup_of
 from .simulation import LOOK_STEPS, Simulation
 
 _SIZE = (640, 480)
@@ -50,7 +49,7 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
     """
     file = film_file(file)
     options = options or HoldOptions()
-    model = HandAndObject(setup_of(grasp), options).model(grasp, shown=True)
+    model = HandAndObject(grasp.required_setup, options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
     simulation = Simulation(model, options, look=camera.look)
     try:
@@ -82,6 +81,7 @@ class _Camera:
     """
 
     def __init__(self, across: Array) -> None:
+        self._pillow = pillow()
         self._library, self._context = mujoco(), _context()
         self._across = across
         self._drawing: tuple[Any, Any] | None = None
@@ -108,8 +108,6 @@ class _Camera:
         return stream.getvalue()
 
     def _frame(self, simulation: Simulation) -> Any:
-        from PIL import Image, ImageDraw
-
         library, (width, height) = self._library, _SIZE
         scene, context = self._drawn(simulation.model)
         camera, options = library.MjvCamera(), library.MjvOption()
@@ -122,8 +120,8 @@ class _Camera:
         view, pixels = library.MjrRect(0, 0, width, height), np.empty((height, width, 3), dtype=np.uint8)
         library.mjr_render(view, scene, context)
         library.mjr_readPixels(pixels, None, view, context)
-        image = Image.fromarray(pixels[::-1])
-        drawing = ImageDraw.Draw(image)
+        image = self._pillow[0].fromarray(pixels[::-1])
+        drawing = self._pillow[1].Draw(image)
         drawing.text((10, 10), simulation.phase, fill=(20, 20, 20), font_size=20)
         focus = height / 2 / math.tan(math.radians(simulation.model.vis.global_.fovy) / 2)
         for vector, length, colour in ((simulation.acceleration, 0.02, _RED), (simulation.spin, 0.01, _BLUE)):

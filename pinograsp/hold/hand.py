@@ -16,10 +16,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import RobotDescription
-from ..descriptions.files import Vector3
 from ..descriptions.pose import Pose
 from ..descriptions.urdf import RobotUrdf, mimics_of
 from ..descriptions.urdf_checks import number
+from ..descriptions.values import Vector3
 from ..errors import InputError
 
 _SLIDING, _TURNING = ("prismatic",), ("revolute", "continuous")

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..errors import InputError
@@ -229,7 +228,7 @@ def _add_mesh(
     name: str,
     vertices: Array,
     attributes: dict[str, str],
-    faces: NDArray[np.int64] | None = None,
+    faces: Integers | None = None,
     shown: bool = True,
 ) -> None:
     # The links' inertias are given; MuJoCo would refuse to compute those of flat meshes that are no shells.

@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..descriptions import Task
 from ..descriptions.scene import Object
 from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
-from ..errors import InputError
+from ..errors import InputError, TaskError
 from ..verification.resistance import mass_of
 
 
@@ -60,11 +60,11 @@ def required_mass(body: Object, task: Task) -> float:
     """Return the mass of the object, kg.
 
     Raises:
-        InputError: the object has no mass and the task no force that would tell.
+        TaskError: the object has no mass and the task no force that would tell.
     """
     mass = mass_of(body, task)
     if mass is None:
-        raise InputError(
+        raise TaskError(
             "is not given, and the task has no external force that would tell", key=f"objects.{task.object}.mass"
         )
     return mass

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from ..errors import InputError
+from ..errors import InputError, real_number
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,13 @@ class HoldOptions:
 
     def __post_init__(self) -> None:
         """Refuse numbers that make no sense."""
+        for name in ("slip_distance", "slip_angle", "ramp", "strongest", "acceleration", "spin"):
+            real_number(f"options.{name}", getattr(self, name), 0.0)
+        if self.friction is not None:
+            real_number("options.friction", self.friction)
         for name in ("slip_distance", "slip_angle", "ramp", "strongest"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise InputError(f"must be positive, not {getattr(self, name)}", key=f"options.{name}")
-        for name in ("acceleration", "spin"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise InputError(f"must be at least 0 and finite, not {getattr(self, name)}", key=f"options.{name}")
         if self.friction is not None and not 0.0 < self.friction < math.inf:
             raise InputError(f"must be positive, not {self.friction}", key="options.friction")
         if self.control not in ("auto", "torque", "position"):

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..frozen import Record
 
-@dataclass(frozen=True)
-class PadForce:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PadForce(Record):
     """Normal force of a pad on the object at rest, N."""
 
     pad: str
+    """Name of the pad."""
     planned: float
+    """Of the contact force of the grasp, N."""
     measured: float
+    """In the simulation, N."""
 
 
-@dataclass(frozen=True)
-class FirstSlip:
+@dataclass(frozen=True, eq=False, repr=False)
+class FirstSlip(Record):
     """The least acceleration of the base, over its directions, at which the object leaves its place in the hand."""
 
     acceleration: float
@@ -28,13 +34,13 @@ class FirstSlip:
     """Links that touched the object other than with a pad before it slipped, in any direction."""
 
 
-@dataclass(frozen=True)
-class HoldOutcome:
+@dataclass(frozen=True, eq=False, repr=False)
+class HoldOutcome(Record):
     """One grasp in the simulation."""
 
     grasp: int
     """Number of the grasp, from 1, in what was given."""
-    start: int
+    start: int | None
     """Its `Grasp.start`."""
     held: bool
     """Whether the object was in place at the end of every phase."""
@@ -55,10 +61,10 @@ class HoldOutcome:
     """None if it was not asked for, or if the grasp does not hold at rest."""
     predicted: float | None
     """The resistance `Q_force` of the certificate, m/s^2; None if it has none."""
-    controls: dict[str, bool]
+    controls: Mapping[str, bool]
     """Whether the negative controls `no squeeze` and `no friction` held, which they must not; empty if not run."""
     seconds: float = field(compare=False)
-    """Computing time, s."""
+    """Computing time, s; it does not count in comparisons."""
 
     @property
     def force_error(self) -> float:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import InputError, whole_number
+from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
+from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
 from .library import mujoco
 from .mjcf import HandAndObject
@@ -25,22 +26,13 @@ CONTROLS: dict[str, dict[str, Any]] = {"no squeeze": {"squeeze": False}, "no fri
 Numbered = tuple[int, Grasp]
 
 
-@dataclass(frozen=True)
-class HoldProgress:
-    """How far a hold test is."""
-
-    done: int
-    total: int
-    held: int
-
-
 def hold_test(
     grasps: Result | Grasp | Sequence[Grasp],
     best: int | None = 20,
     *,
     workers: int | None = None,
     options: HoldOptions | None = None,
-    progress: Callable[[HoldProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> tuple[HoldOutcome, ...]:
     """Simulate grasps in MuJoCo: whether they hold the object at rest, shaken and turned.
 
@@ -52,7 +44,7 @@ def hold_test(
         best: how many of them, from the first on; None: all.
         workers: number of processes; None: one for each core.
         options: loads, limits and control.
-        progress: called after every grasp.
+        progress: called after every grasp, with how many of them are `held`.
 
     Returns:
         An outcome for each grasp, in their order.
@@ -71,8 +63,8 @@ def hold_test(
         with own_workers(min(workers, len(numbered)) if workers and numbered else workers) as running:
             for outcome in _outcomes(running, numbered, options):
                 outcomes.append(outcome)
-                if progress:
-                    progress(HoldProgress(len(outcomes), len(numbered), sum(done.held for done in outcomes)))
+                held = sum(done.held for done in outcomes)
+                progress(Progress("grasps", len(outcomes), len(numbered), {"held": held}))
     except KeyboardInterrupt:
         pass
     return tuple(sorted(outcomes, key=lambda outcome: outcome.grasp))
@@ -82,25 +74,19 @@ def in_order(grasps: Result | Grasp | Sequence[Grasp]) -> tuple[Grasp, ...]:
     """Return the grasps of a result, the best first; or what is given."""
     if isinstance(grasps, Grasp):
         return (grasps,)
-    return grasps.grasps if isinstance(grasps, Result) else tuple(grasps)
-
-
-def setup_of(grasp: Grasp) -> Setup:
-    """Return robot, scene and task of a grasp.
-
-    Raises:
-        InputError: it does not know them.
-    """
-    if grasp.setup is None:
-        raise InputError(f"the grasp of start {grasp.start} does not say of which robot and task it is")
-    return grasp.setup
+    if isinstance(grasps, Result):
+        return grasps.grasps
+    require_kind("grasps", grasps, Result, Grasp, Sequence)
+    for grasp in grasps:
+        require_kind("grasps", grasp, Grasp)
+    return tuple(grasps)
 
 
 def _outcomes(workers: Workers, numbered: Sequence[Numbered], options: HoldOptions) -> Iterator[HoldOutcome]:
     """Yield outcomes in any order; grasps of one setup that follow each other are sent together."""
-    for _, group in itertools.groupby(numbered, key=lambda item: id(setup_of(item[1]))):
+    for _, group in itertools.groupby(numbered, key=lambda item: id(item[1].required_setup)):
         items = list(group)
-        prepare = partial(HoldTest, setup_of(items[0][1]), options)
+        prepare = partial(HoldTest, items[0][1].required_setup, options)
         bare = [(number, replace(grasp, setup=None)) for number, grasp in items]
         with closing(workers.run(prepare, bare, chunk=1)) as running:
             yield from running

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..disk import write_whole
+from ..disk import as_path, write_whole
 from ..results import Grasp
 from .mjcf import HandAndObject
 from .options import HoldOptions
-from .run import setup_of
 
 
 def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = None) -> None:
@@ -24,5 +23,5 @@ def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
     Raises:
         InputError: as `hold_test`, or the file cannot be written.
     """
-    bodies = HandAndObject(setup_of(grasp), options or HoldOptions())
-    write_whole(Path(file), bodies.model(grasp, shown=True).xml + "\n")
+    bodies = HandAndObject(grasp.required_setup, options or HoldOptions())
+    write_whole(as_path("file", file), bodies.model(grasp, shown=True).xml + "\n")

@@ -65,6 +65,16 @@ def contact_kinematics(configuration: Configuration, parameters: Array) -> Conta
     )
 
 
+def pad_poses(configuration: Configuration) -> Array:
+    """Return the poses of the pads' patch frames in the world, m, shape (n, 4, 4)."""
+    pads = configuration.robot.pad_frames
+    R = configuration.rotations[pads.joints]
+    T = np.tile(np.eye(4), (len(pads.joints), 1, 1))
+    T[:, :3, :3] = R @ pads.rotations
+    T[:, :3, 3] = (R @ pads.translations[:, :, None])[:, :, 0] + configuration.translations[pads.joints]
+    return T
+
+
 @compiled
 def _contact_kinematics(
     rotations: Array,

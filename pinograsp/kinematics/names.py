@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..descriptions import RobotDescription
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from .urdf import PreparedUrdf
 
 
@@ -46,9 +46,9 @@ def check_names(description: RobotDescription, urdf: PreparedUrdf) -> None:
 
 
 def require(name: str, known: list[str], what: str, key: str, description: RobotDescription) -> None:
-    """Raise an InputError unless the URDF has a joint or link of this name."""
+    """Raise an UnknownNameError unless the URDF has a joint or link of this name."""
     if name not in known:
-        raise InputError(
+        raise UnknownNameError(
             f"{what} {name!r} is not in {_files(description)}",
             file=description.source,
             key=key,

@@ -173,9 +173,9 @@ class Robot:
         return result
 
     def joints_by_name(self, posture: Array) -> dict[str, float]:
-        """Return q by joint name, continuous arm joints wrapped to (-pi, pi]."""
-        q = self.joint_positions(self.wrapped(posture))
-        return dict(zip(self.joint_names, q.tolist(), strict=True))
+        """Return q by joint name in the order of the URDFs, continuous arm joints wrapped to (-pi, pi]."""
+        q = dict(zip(self.joint_names, self.joint_positions(self.wrapped(posture)).tolist(), strict=True))
+        return {name: q[name] for name in self.urdf.movable}
 
     def _refuse(self, problem: str, key: str, remedy: str | None = None) -> None:
         raise InputError(problem, file=self.description.source, key=key, remedy=remedy)

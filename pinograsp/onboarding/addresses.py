@@ -8,7 +8,8 @@ from pathlib import Path
 
 from ..descriptions.locate import resolve, wheel_share
 from ..descriptions.urdf import parse
-from ..errors import InputError
+from ..disk import is_file
+from ..errors import FileError
 
 PACKAGE = "package://"
 
@@ -17,21 +18,21 @@ def find_urdf(address: str, packages: Sequence[Path], option: str) -> Path:
     """Return the URDF behind a path or a `package://` address given on the command line.
 
     Raises:
-        InputError: there is none.
+        FileError: there is none.
     """
     if not address.startswith(PACKAGE):
         file = Path(address).expanduser()
-        if not file.is_file():
-            raise InputError("no such file", file=file, key=option)
+        if not is_file(file):
+            raise FileError("no such file", file=file, key=option)
         return file.resolve()
     folders = [*packages, wheel_share()]
     for folder in folders:
         file = folder / address.removeprefix(PACKAGE)
-        if file.is_file():
+        if is_file(file):
             return file.resolve()
     looked = ", ".join(str(folder) for folder in folders)
     remedy = f"Looked in {looked}; name further folders with --packages"
-    raise InputError(f"{address} was not found", key=option, remedy=remedy)
+    raise FileError(f"{address} was not found", key=option, remedy=remedy)
 
 
 def address_of(file: Path, output: Path) -> str:

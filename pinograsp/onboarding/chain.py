@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from ..kinematics.tree import UrdfTree
 from .findings import in_words, number_of
 
@@ -55,9 +55,9 @@ def find_chain(tree: UrdfTree, file: Path, tip: str | None, hand: frozenset[str]
 
 
 def require_link(tree: UrdfTree, link: str, option: str) -> None:
-    """Raise an InputError unless the tree has a link of this name."""
+    """Raise an UnknownNameError unless the tree has a link of this name."""
     if link not in tree.links:
-        raise InputError(f"there is no link {link!r}", key=option, remedy=close_names(link, tree.links))
+        raise UnknownNameError(f"there is no link {link!r}", key=option, remedy=close_names(link, tree.links))
 
 
 def last_link(tree: UrdfTree, file: Path) -> str:

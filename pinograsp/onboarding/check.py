@@ -6,11 +6,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..compiled import compiling
 from ..descriptions import RobotDescription, load_robot_description
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
 from ..kinematics.collision_elements import link_elements
 from ..kinematics.robot import Robot
+from ..progress import Report, no_report
 from .collisions import collision_findings
 from .findings import Finding, LinkFigures
 from .hand import hand_findings
@@ -37,13 +39,14 @@ class RobotReport:
         return any(finding.level == "wrong" for finding in self.findings)
 
 
-def check_robot(name: str | Path) -> RobotReport:
+def check_robot(name: str | Path, progress: Report = no_report) -> RobotReport:
     """Look at a robot file: what is wrong or doubtful with it, and how closely it is followed.
 
     A file that can be read and gives no robot is a finding, too, not an error.
 
     Args:
         name: path, folder, or name of a shipped robot.
+        progress: called as the work goes on: `convex pieces` of the meshes, and `compiling`, once on a machine.
 
     Raises:
         InputError: the robot file itself is missing, is not YAML, or has a key or value that is wrong.
@@ -55,17 +58,18 @@ def check_robot(name: str | Path) -> RobotReport:
         return RobotReport(description.name, _refused(description, error))
     try:
         meshes = link_meshes(link_elements(robot.urdf.composed, description.urdf_file))
-        figures = link_figures(robot, meshes)
+        figures = link_figures(robot, meshes, progress)
     except InputError as error:
         return RobotReport(description.name, (_of(error),))
-    findings = [
-        *unusable_limits(description, robot.urdf.composed),
-        *joint_findings(robot),
-        *hand_findings(robot),
-        *pad_findings(robot, meshes),
-        *mesh_findings(figures, meshes, robot),
-        *collision_findings(robot, meshes),
-    ]
+    with compiling(progress):
+        findings = [
+            *unusable_limits(description, robot.urdf.composed),
+            *joint_findings(robot),
+            *hand_findings(robot),
+            *pad_findings(robot, meshes),
+            *mesh_findings(figures, meshes, robot),
+            *collision_findings(robot, meshes),
+        ]
     return RobotReport(description.name, tuple(findings), tuple(figures), robot)
 
 

@@ -12,6 +12,7 @@ from ..geometry.hulls import Hull, boundary
 from ..geometry.mesh_surface import MeshSurface
 from ..kinematics.collision_elements import collision_elements
 from ..kinematics.robot import Robot
+from ..progress import Progress, Report
 from .link_meshes import element_triangles
 
 SAMPLES = 1500
@@ -29,10 +30,17 @@ def excess(pieces: Sequence[Array], triangles: Array, samples: int = SAMPLES) ->
     return MeshSurface(triangles).distances(points)
 
 
-def link_covers(robot: Robot) -> dict[str, tuple[int, Array]]:
-    """Return for every link with collision geometry how many pieces stand for it, and their excess, m."""
+def link_covers(robot: Robot, report: Report) -> dict[str, tuple[int, Array]]:
+    """Return for every link with collision geometry how many pieces stand for it, and their excess, m.
+
+    Args:
+        robot: the robot.
+        report: called before every mesh.
+    """
     found: dict[str, tuple[int, Array]] = {}
-    for element in collision_elements(robot):
+    elements = collision_elements(robot)
+    for done, element in enumerate(elements):
+        report(Progress("convex pieces", done, len(elements)))
         count, distances = found.get(element.link, (0, np.zeros(1)))
         if element.mesh is None:
             found[element.link] = (count + 1, distances)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
 from ..kinematics.robot import Robot
+from ..progress import Report, no_report
 from .excess import link_covers
 from .findings import Finding, LinkFigures, in_words
 
@@ -19,10 +20,16 @@ LARGEST, SMALLEST = 3.0, 0.002
 _SAMPLES = 48
 
 
-def link_figures(robot: Robot, meshes: Mapping[str, TriangleMesh]) -> list[LinkFigures]:
-    """Return the figures of every link with collision geometry."""
+def link_figures(robot: Robot, meshes: Mapping[str, TriangleMesh], report: Report = no_report) -> list[LinkFigures]:
+    """Return the figures of every link with collision geometry.
+
+    Args:
+        robot: the robot.
+        meshes: of its links.
+        report: called before every mesh.
+    """
     found = []
-    for link, (pieces, distances) in link_covers(robot).items():
+    for link, (pieces, distances) in link_covers(robot, report).items():
         excess = float(np.percentile(distances, 95))
         count = len(meshes[link].triangles)
         found.append(LinkFigures(link, count, meshes[link].closed, pieces, excess, float(distances.max())))

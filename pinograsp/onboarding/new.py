@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..descriptions.composition import Attachment, Composition
-from ..descriptions.files import Vector3
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
-from ..errors import InputError
+from ..descriptions.values import Vector3
+from ..disk import is_file, write_whole
+from ..errors import FileError, InputError
 from ..kinematics.tree import UrdfTree
 from .addresses import address_of, find_urdf, needed_packages
 from .chain import last_link, require_link
@@ -105,22 +106,20 @@ def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Comp
 
 def refuse_existing(output: Path, *, replace: bool) -> None:
     """Raise an InputError if a robot file is there that is not to be replaced."""
-    if output.exists() and not replace:
-        raise InputError("exists already", file=output, key="--output", remedy="Use --force to replace it")
+    if is_file(output) and not replace:
+        raise InputError("exists already", file=output, key="--out", remedy="Use --force to replace it")
 
 
 def write_new(text: str, output: Path) -> None:
     """Write a robot file; the folder is made.
 
     Raises:
-        InputError: it cannot be written.
+        FileError: it cannot be written.
     """
     try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(f"cannot be written: {reason}", file=output, key="--output") from None
+        write_whole(output, text)
+    except FileError as error:
+        raise FileError(error.problem, file=output, key="--out") from None
 
 
 def summary_lines(found: Draft) -> list[str]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 
 CELLS = 60
 """Cells along the longer side of the face."""
@@ -41,7 +40,7 @@ def largest_rectangle(triangles: Array) -> Rectangle:
     return Rectangle(*(np.array([_snapped(side[k], corners[:, k], step) for k in (0, 1)]) for side in found))
 
 
-def _covered(triangles: Array, x: Array, y: Array) -> NDArray[np.bool_]:
+def _covered(triangles: Array, x: Array, y: Array) -> Mask:
     """Return which points (x_i, y_j) lie in a triangle, shape (len(x), len(y))."""
     covered = np.zeros((len(x), len(y)), dtype=bool)
     low, high = triangles.min(axis=1), triangles.max(axis=1)
@@ -59,7 +58,7 @@ def _covered(triangles: Array, x: Array, y: Array) -> NDArray[np.bool_]:
     return covered
 
 
-def _largest_block(cells: NDArray[np.bool_]) -> tuple[tuple[int, int], tuple[int, int]]:
+def _largest_block(cells: Mask) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return the ends, the second one exclusive, along both axes of the largest block of true cells."""
     best, found = 0, ((0, 0), (0, 0))
     heights = np.zeros(cells.shape[1], dtype=int)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..kinematics.contacts import pad_poses
 from ..kinematics.wrist import wrist_pose
 from ..problem import State
 from ..results import Contact, Cost, Grasp
@@ -26,17 +27,24 @@ def cost_of(state: State) -> Cost:
     return Cost(phi_mm2 + state.model.task.force_weight * V, phi_mm2, V)
 
 
-def grasp_of(start: int, state: State, claim: Claim, certificate: Certificate) -> Grasp:
-    """Return the grasp at a state with everything derived from it."""
+def grasp_of(start: int | None, state: State, claim: Claim, certificate: Certificate) -> Grasp:
+    """Return the grasp at a state with everything derived from it.
+
+    Args:
+        start: index of the start that led to it, if one did.
+        state: the state.
+        claim: what it claims.
+        certificate: of the claim.
+    """
     robot = state.model.robot
     hand_angles = robot.joint_positions(state.configuration.posture)[robot.hand_joints]
     reference = hand_angles + state.statics.reference_displacement(state.forces.y)
     names = [robot.joint_names[joint] for joint in robot.hand_joints]
-    normals = state.surface[1]
+    normals, T_world_pads = state.surface[1], pad_poses(state.configuration)
     posture = robot.wrapped(state.configuration.posture)
     return Grasp(
         start=start,
-        count=1,
+        count=0 if start is None else 1,
         joints=claim.joints,
         q_arm=posture[: robot.arm_size],
         synergy=posture[robot.arm_size :],
@@ -53,6 +61,7 @@ def grasp_of(start: int, state: State, claim: Claim, certificate: Certificate) -
                 force=claim.forces[i],
                 spin_torque=float(claim.spin_torques[i]),
                 desired_point=state.desired[i],
+                T_world_pad=T_world_pads[i],
             )
             for i, pad in enumerate(robot.description.pads)
         ),

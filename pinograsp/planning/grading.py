@@ -11,6 +11,7 @@ from ..descriptions import Scene
 from ..execution import Workers
 from ..kinematics.robot import Robot
 from ..problem import TaskModel
+from ..progress import Progress, Report, no_report
 from ..results import Grasp, ordered
 from ..verification import Certificate, Claim, Figure
 from ..verification.check import Verifier
@@ -24,7 +25,9 @@ def graded(grasp: Grasp, verifier: Verifier) -> Grasp:
     return grasp if _has_grade(grasp) else _with(grasp, verifier.resistance(grasp.claim))
 
 
-def all_graded(grasps: Sequence[Grasp], model: TaskModel, workers: Workers) -> tuple[tuple[Grasp, ...], bool]:
+def all_graded(
+    grasps: Sequence[Grasp], model: TaskModel, workers: Workers, report: Report = no_report
+) -> tuple[tuple[Grasp, ...], bool]:
     """Return grasps with the figures of their resistance, in the default order, and whether nothing interrupted it.
 
     Grasps that an interrupt, or a worker that died, has left without figures are worse in these than all others.
@@ -33,13 +36,16 @@ def all_graded(grasps: Sequence[Grasp], model: TaskModel, workers: Workers) -> t
         grasps: distinct ones, with valid certificates.
         model: their task.
         workers: share the work.
+        report: called after every grasp.
     """
     items = [(number, grasp.claim) for number, grasp in enumerate(grasps) if not _has_grade(grasp)]
     found, whole = dict[int, tuple[Figure, ...]](), True
     try:
         prepare = partial(_grader, model.robot.unmounted, model.scene, model.task_name)
         with closing(workers.run(prepare, items, lost=_lost)) as running:
-            found.update(running)
+            for number, figures in running:
+                found[number] = figures
+                report(Progress("resistance", len(found), len(items)))
     except KeyboardInterrupt:
         whole = False
     return ordered([_with(grasp, found.get(number, ())) for number, grasp in enumerate(grasps)]), whole

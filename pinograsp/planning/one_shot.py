@@ -1,19 +1,19 @@
-"""One plan, from a robot file and a scene file to verified grasps."""
+"""One plan, from a robot file and a scene file to verified grasps; one check of a configuration."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 
-from ..database.build import BuildProgress
 from ..database.store import Database
 from ..descriptions import Scene
 from ..kinematics.robot import Robot
+from ..progress import Report, no_report
 from ..results import Result
+from ..results.configuration_check import ConfigurationCheck
 from ..solve.options import SolverOptions
 from .defaults import DEFAULT_STARTS
-from .outcomes import Progress
+from .own_configuration import Configuration
 from .session import Planner
 
 
@@ -28,8 +28,7 @@ def plan(
     seed: int = 0,
     database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    build_progress: Callable[[BuildProgress], None] | None = None,
+    progress: Report = no_report,
 ) -> Result:
     """Find, verify and rank grasps: one plan of a `Planner`, which has more for who plans again and again.
 
@@ -46,8 +45,7 @@ def plan(
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called after every start.
-        build_progress: called after every batch while a database is built.
+        progress: called as the work goes on, stage by stage; see `Planner`.
 
     Raises:
         InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
@@ -60,6 +58,29 @@ def plan(
         workers=workers,
         executor=executor,
         options=options,
-        build_progress=build_progress,
+        progress=progress,
     ) as planner:
-        return planner.plan(task, starts=starts, seed=seed, progress=progress)
+        return planner.plan(task, starts=starts, seed=seed)
+
+
+def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> ConfigurationCheck:
+    """Check a configuration of the user's own: `Planner.check`, which is quicker for who checks many.
+
+    Pads and object are taken to touch where they are nearest to it, with the best contact forces (8) there. The
+    independent check then recomputes every figure; nothing of the configuration is changed.
+
+    Args:
+        robot: from `load_robot`; it is mounted where the scene says.
+        scene: from `load_scene`.
+        task: name of a task of the scene: its object, margins and pads count.
+        q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+            synergies in the order of the robot file, shape (l + s,); rad (m).
+
+    Returns:
+        The configuration as a grasp, verified or not, with its certificate, and distances pair by pair, m.
+
+    Raises:
+        InputError: there is no such task, or a value is missing, unknown or not finite.
+    """
+    with Planner(robot, scene) as planner:
+        return planner.check(q, task)

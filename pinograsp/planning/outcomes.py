@@ -1,4 +1,4 @@
-"""Outcomes of the starts of a run, and the result that says so."""
+"""Outcomes of the starts of a run, and the result that holds them."""
 
 from __future__ import annotations
 
@@ -10,21 +10,11 @@ from typing import Any, get_args
 import numpy as np
 
 from ..descriptions.robot_files import Hashes
+from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
 from .attempt import Attempt
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a run is."""
-
-    done: int
-    total: int
-    verified: int
-    best_U: float
-    """Least cost index so far, mm^2; infinite until the first verified grasp."""
 
 
 @dataclass
@@ -44,9 +34,10 @@ class Run:
     interrupted: bool = False
 
     def progress(self, total: int) -> Progress:
-        """Return how far the run is, of so many starts."""
+        """Return how far the run is, of so many starts: with how many are `verified`, and the `best U` of these."""
         costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
-        return Progress(len(self.attempts), total, len(costs), min(costs, default=float("inf")))
+        best = {"best U": min(costs)} if costs else {}
+        return Progress("starts", len(self.attempts), total, {"verified": len(costs), **best})
 
     def distinct(self) -> tuple[Grasp, ...]:
         """Return the grasps that were found, near-identical ones as one."""
@@ -66,13 +57,18 @@ class Run:
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
             verified=sum(1 for attempt in attempts if attempt.grasp),
-            refuted=sum(1 for a in attempts if a.certificate and not a.certificate.verified and not too_weak(a)),
+            refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
             warnings=tuple(self.warnings),
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
+
+
+def _refuted(attempt: Attempt) -> bool:
+    """Whether the check refuted what the solver called feasible, for more than what it withstands."""
+    return attempt.certificate is not None and not attempt.certificate.verified and not too_weak(attempt)
 
 
 def too_weak(attempt: Attempt) -> bool:
@@ -109,7 +105,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
 
 def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     """Return kind, violation, unit and place of what kept an attempt from being verified."""
-    if attempt.certificate:
+    if attempt.certificate is not None:
         figure = attempt.certificate.refuted_by[0]
         if too_weak(attempt):
             return WITHSTAND, figure.limit - figure.value, figure.unit, figure.where

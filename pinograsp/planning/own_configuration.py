@@ -1,47 +1,33 @@
-"""A configuration that the user gives: what the independent check says of it."""
+"""A configuration that the user gives, as the independent check has it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from ..kinematics.robot import Robot
-from ..planning.assemble import claim_of
 from ..problem import GraspProblem, State, TaskModel
+from ..results import Setup
+from ..results.configuration_check import ConfigurationCheck
 from ..solve.projection import nearest_assignment
-from ..verification import Certificate
 from ..verification.check import Verifier
-from ..verification.pair_clearances import PairClearance
+from .assemble import claim_of, grasp_of
 
 STEPS = 20
 TOWARDS_DESIRED = 1e-3
 """Weight of the desired points, which decide where a contact is that could be anywhere along a line."""
 
 
-@dataclass(frozen=True)
-class ConfigurationCheck:
-    """Findings of the independent check of a configuration."""
-
-    certificate: Certificate
-    """Every figure, with the contacts where the pads are nearest to touching, and the best forces there."""
-    clearances: tuple[PairClearance, ...]
-    """Distances below 50 mm, pair by pair, the least first."""
-
-    @property
-    def verified(self) -> bool:
-        """Whether the configuration is a grasp."""
-        return self.certificate.verified
-
-
 Configuration = Mapping[str, float] | Sequence[float] | Array
+"""Values by the names of arm joints and synergies, or in their order, rad (m)."""
 
 
 def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> ConfigurationCheck:
-    """Return what the independent check says of a configuration.
+    """Check a configuration.
 
     Args:
         model: the task.
@@ -53,9 +39,20 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
         InputError: a value is missing, unknown or not finite.
     """
     posture, given = _posture(model.robot, q)
-    claim = claim_of(_touching(model, posture))
-    claim = replace(claim, joints=claim.joints | given)
-    return ConfigurationCheck(verifier.certify(claim), verifier.clearances(claim.joints))
+    state = _touching(model, posture)
+    claim = claim_of(state)
+    claim = replace(claim, joints={**claim.joints, **given})
+    grasp = grasp_of(None, state, claim, verifier.certify(claim))
+    # The wrist and the pads are where the given joints have them, even if these keep to no synergy.
+    derived = verifier.derive(claim)
+    placed = zip(grasp.contacts, derived.T_world_pads, strict=True)
+    grasp = replace(
+        grasp,
+        contacts=tuple(replace(contact, T_world_pad=T) for contact, T in placed),
+        T_world_wrist=derived.T_world_wrist,
+        setup=Setup(model.robot.unmounted.description, model.scene, model.task_name),
+    )
+    return ConfigurationCheck(grasp, verifier.clearances(claim.joints))
 
 
 def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
@@ -72,7 +69,7 @@ def _numbers(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
         known = [*names, *robot.joint_names]
         for name in q:
             if name not in known:
-                raise InputError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
+                raise UnknownNameError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
         given = {name: float(value) for name, value in q.items() if name in robot.joint_names}
         values = _synergies(robot, given) | {name: float(value) for name, value in q.items()}
         if missing := [name for name in names if name not in values]:

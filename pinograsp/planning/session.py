@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -12,19 +12,22 @@ from pathlib import Path
 from typing import Self
 
 from ..arrays import Array
-from ..database.build import BuildProgress
+from ..collision.solids import link_bodies
+from ..compiled import compiling
 from ..database.cache import cached_database
 from ..database.identity import Identity
 from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
-from ..errors import InputError, whole_number
+from ..errors import InputError, real_number, require_kind, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_task
+from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
+from ..results.configuration_check import ConfigurationCheck
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
@@ -33,8 +36,8 @@ from .attempt import attempt, attempts_of, lost_attempt, require_consistent, ver
 from .bound import least_U
 from .defaults import DEFAULT_STARTS
 from .grading import all_graded, graded
-from .outcomes import Progress, Run
-from .own_configuration import Configuration, ConfigurationCheck, checked
+from .outcomes import Run
+from .own_configuration import Configuration, checked
 
 NEAREST = 400
 """Starts that a search for single grasps tries at most."""
@@ -55,10 +58,12 @@ class Planner:
         executor: takes their place: any `concurrent.futures.Executor` of processes, such as Dask's
             `client.get_executor()`. It is not shut down.
         options: how each start is solved.
-        build_progress: called after every batch while a database is built.
+        progress: called as the work goes on, in this process: once on a machine `convex pieces` of the robot's
+            meshes, `compiling`, and `start database` with its `sorting`; then `starts` and the `resistance` of the
+            grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found until then.
 
     Raises:
-        InputError: a number is out of range, or both workers and an executor are given.
+        InputError: an argument is of another class, a number is out of range, or workers and executor are both given.
     """
 
     def __init__(
@@ -70,8 +75,14 @@ class Planner:
         workers: int | None = None,
         executor: Executor | None = None,
         options: SolverOptions | None = None,
-        build_progress: Callable[[BuildProgress], None] | None = None,
+        progress: Report = no_report,
     ) -> None:
+        require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
+        require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+        if options is not None:
+            require_kind("options", options, SolverOptions, remedy="Give SolverOptions(...)")
+        if database is not None:
+            require_kind("database", database, Database, Path, str)
         if workers is not None:
             whole_number("workers", workers, 1)
         if executor is not None and not isinstance(executor, Executor):
@@ -82,7 +93,7 @@ class Planner:
         self.scene = scene
         """As it is now: objects may have been moved."""
         self._options = options or SolverOptions()
-        self._given, self._count, self._build_progress = database, workers, build_progress
+        self._given, self._count, self._report = database, workers, progress
         self._workers: Workers = own_workers(workers) if executor is None else GivenExecutor(executor)
         self._models: dict[str, TaskModel] = {}
         self._opened: dict[str, Database] = {}
@@ -106,7 +117,6 @@ class Planner:
         *,
         starts: int = DEFAULT_STARTS,
         seed: int = 0,
-        progress: Callable[[Progress], None] | None = None,
     ) -> Result:
         """Find, verify and rank grasps.
 
@@ -117,7 +127,6 @@ class Planner:
             task: name of a task of the scene.
             starts: number of starts.
             seed: of the choice of starts.
-            progress: called after every start.
 
         Raises:
             InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
@@ -128,7 +137,7 @@ class Planner:
         model = self._model(task)
         run = Run(Setup(self.robot.description, self.scene, task), self.robot.files, starts, check_task(model))
         run.facts = {"seed": seed, "options": self._options.to_json()}
-        _evaluate_once(model)
+        self._evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
         try:
             self._workers.begin()
@@ -143,12 +152,11 @@ class Planner:
             with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
                 for done in running:
                     run.attempts.append(done)
-                    if progress:
-                        progress(run.progress(len(postures)))
+                    self._report(run.progress(len(postures)))
         except KeyboardInterrupt:
             run.interrupted = True
         searched = time.perf_counter()
-        grasps, whole = all_graded(run.distinct(), model, self._workers)
+        grasps, whole = all_graded(run.distinct(), model, self._workers, self._report)
         run.interrupted |= not whole
         run.times |= {"resistance": time.perf_counter() - searched, "total": time.perf_counter() - began}
         return run.result(grasps)
@@ -169,12 +177,13 @@ class Planner:
         """
         if most is not None:
             whole_number("most", most, 1)
-        if deadline is not None and not deadline >= 0.0:  # nor not a number
-            raise InputError(f"must be at least 0, not {deadline}", key="deadline")
+        if deadline is not None:
+            real_number("deadline", deadline, 0.0)
         began = time.perf_counter()
         model = self._model(task)
         check_task(model)
         if task not in self._hands:  # neither depends on where objects stand
+            self._evaluate_once(model)
             self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
         postures = self._index(model).starts(model, self._hands[task], NEAREST)
         quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
@@ -207,7 +216,7 @@ class Planner:
         self._models = {task: model.moved(name, self.scene) for task, model in self._models.items()}
 
     def check(self, q: Configuration, task: str) -> ConfigurationCheck:
-        """Return the certificate figures and the clearances by pair of a configuration of the user's own.
+        """Check a configuration of the user's own: certificate figures, clearances by pair, and a grasp to draw.
 
         Args:
             q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
@@ -218,13 +227,21 @@ class Planner:
             InputError: there is no such task, or a value is missing, unknown or not finite.
         """
         model = self._model(task)
-        return checked(model, verifier_of(model), q)
+        with compiling(self._report):
+            return checked(model, verifier_of(model), q)
 
     def _model(self, task: str) -> TaskModel:
         if task not in self._models:
             require_consistent(self.robot.unmounted)
+            link_bodies(self.robot, self._report)
             self._models[task] = TaskModel(self.robot, self.scene, task)
         return self._models[task]
+
+    def _evaluate_once(self, model: TaskModel) -> None:
+        """Have everything compiled that evaluations need, here and once, not in every worker."""
+        with compiling(self._report):
+            problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+            problem.evaluate(0.5 * (problem.lower + problem.upper))
 
     def _index(self, model: TaskModel) -> StartIndex:
         """Return the starts in memory: for every scene with one enclosure and for tasks with one margin the same."""
@@ -244,8 +261,7 @@ class Planner:
             return self._given
         if identity.digest not in self._opened:
             if self._given is None:
-                progress = self._build_progress
-                opened = cached_database(self.robot, self.scene, margins, workers=self._count, progress=progress)
+                opened = cached_database(self.robot, self.scene, margins, workers=self._count, progress=self._report)
             else:
                 opened = Database.open(self._given)
             try:
@@ -262,9 +278,3 @@ def _indices(robot: Robot) -> dict[tuple[str, str, int, int], StartIndex]:
     """Return the place where the indices of a robot are kept, by identity and file of their database, as it is now."""
     del robot
     return {}
-
-
-def _evaluate_once(model: TaskModel) -> None:
-    """Have everything compiled that evaluations need, here and once, not in every worker."""
-    problem = GraspProblem(model, tuple(range(len(model.desired_points))))
-    problem.evaluate(0.5 * (problem.lower + problem.upper))

@@ -1,10 +1,10 @@
-"""Does the task make sense? What can be known before any solve, said with file and key."""
+"""Checks of a task, with robot and scene, that need no solve."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import TaskError
 from ..kinematics.hand_posture import widest_jaw
 from .regions import check_region
 from .task_model import TaskModel
@@ -17,7 +17,7 @@ def check_task(model: TaskModel) -> list[str]:
     """Refuse a task that cannot be meant; return what is odd about it, in words.
 
     Raises:
-        InputError: the object reaches beyond a wall, a desired contact is off the surface, the number of
+        TaskError: the object reaches beyond a wall, a desired contact is off the surface, the number of
             desired contacts is not that of the pads, the jaw does not open wide enough, or no contact can be made in
             the contact region.
     """
@@ -25,7 +25,7 @@ def check_task(model: TaskModel) -> list[str]:
     _contacts_on_surface(model)
     pads = len(model.robot.description.pads)
     if len(model.desired_points) != pads:
-        raise InputError(
+        raise TaskError(
             f"{len(model.desired_points)} desired contacts for a hand of {pads} pads",
             file=model.scene.source,
             key=f"tasks.{model.task_name}.desired_contacts",
@@ -41,7 +41,7 @@ def _object_inside(model: TaskModel) -> None:
     for wall, (inward, offset) in model.scene.enclosure.walls.items():
         beyond = offset - (inward @ origin - model.surface.extent(-R.T @ inward))
         if beyond > TOLERANCE:
-            raise InputError(
+            raise TaskError(
                 f"the object {name!r} is outside the enclosure: {1e3 * beyond:.1f} mm beyond {wall}",
                 file=model.scene.source,
                 key=f"objects.{name}.pose",
@@ -54,7 +54,7 @@ def _contacts_on_surface(model: TaskModel) -> None:
     worst = int(np.abs(distances).argmax())
     if abs(distances[worst]) > TOLERANCE:
         side = "outside" if distances[worst] > 0 else "inside"
-        raise InputError(
+        raise TaskError(
             f"this desired contact is {1e3 * abs(distances[worst]):.1f} mm {side} the surface of {model.task.object!r}",
             file=model.scene.source,
             key=f"tasks.{model.task_name}.desired_contacts[{worst}]",
@@ -65,7 +65,7 @@ def _contacts_on_surface(model: TaskModel) -> None:
 def _jaw_wide_enough(model: TaskModel) -> None:
     widest = widest_jaw(model.robot)
     if len(model.robot.pads) == 2 and widest is not None and widest < model.surface.least_width:
-        raise InputError(
+        raise TaskError(
             f"the pads open to {1e3 * widest:.1f} mm, but {model.task.object!r} is at least "
             f"{1e3 * model.surface.least_width:.1f} mm wide",
             file=model.scene.source,

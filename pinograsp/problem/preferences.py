@@ -1,4 +1,4 @@
-"""What a task prefers, in terms of its robot: a cone of approach directions, bounds of posture and contacts."""
+"""Preferences of a task in terms of its robot: a cone of approach directions, bounds of posture and contacts."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
-from ..errors import InputError, close_names
+from ..descriptions.scene import JointInterval
+from ..errors import TaskError, UnknownNameError, close_names
 from ..geometry.cone import Cone
 from ..geometry.patches import inside_rim
 from ..kinematics.robot import Robot
 
 WHOLE_TURN = 2.0 * math.pi
+ROUNDING = 1e-9
+"""How far the value of a lock may be outside the limits and still be their end, rad (m)."""
 
 
 def approach_cone(task: Task, T_world_object: Array) -> Cone | None:
@@ -25,40 +28,77 @@ def approach_cone(task: Task, T_world_object: Array) -> Cone | None:
 
 
 def posture_bounds(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, Array]:
-    """Return lower and upper bounds of the posture (q_a, sigma): the robot's limits, narrowed by the task.
+    """Return lower and upper bounds of the posture (q_a, sigma), rad (m): the robot's limits, narrowed by the task.
 
-    The task asks for a reserve of the arm joints that have limits, and for ranges.
+    The task asks for a reserve of the arm joints that have limits, for ranges, and for joints that are locked, whose
+    bounds are equal.
 
-    The range of a joint whose whole turns do not count is moved by turns until its middle is within half a turn of
-    zero: a range of less than a turn then lies within the +-2 pi that the model gives such a joint.
+    An interval of a joint whose whole turns do not count is moved by turns until its middle is within half a turn of
+    the middle of what is left of the joint's bounds. At first that is zero, so that a range of less than a turn lies
+    within the +-2 pi that the model gives such a joint; then it is a range that the task gives besides a lock.
 
     Raises:
-        InputError: a range names no arm joint or synergy, or does not meet the robot's limits less the reserve, or the
-            reserve leaves nothing of a joint's limits.
+        UnknownNameError: a range or a lock names no arm joint or synergy.
+        TaskError: one does not meet the robot's limits less the reserve, or both contradict each other, or the reserve
+            leaves nothing of a joint's limits.
     """
     names = list(robot.posture_names)
     lower, upper = _within_reserve(robot, scene, task_name)
-    for name, (low, high) in scene.task(task_name).joint_ranges.items():
-        key = f"tasks.{task_name}.joint_ranges.{name}"
-        if name not in names:
-            mimic = robot.urdf.mimics.get(name)
-            remedy = f"It mimics {mimic.leader}: name that" if mimic else close_names(name, names)
-            problem = f"{name!r} is no arm joint or synergy of {robot.description.name}"
-            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
-        i = names.index(name)
-        shift = WHOLE_TURN * round(0.5 * (low + high) / WHOLE_TURN) if robot.turns_freely(name) else 0.0
-        narrowed = max(lower[i], low - shift), min(upper[i], high - shift)
-        if narrowed[0] >= narrowed[1]:
-            problem = f"[{low:g}, {high:g}] does not meet the limits [{lower[i]:g}, {upper[i]:g}] of the robot"
-            reserve = scene.task(task_name).reserve.joint if i < robot.arm_size else 0.0
-            problem += f", less the task's reserve of {reserve:g}" if reserve and not robot.turns_freely(name) else ""
-            raise InputError(problem, file=scene.source, key=key, remedy="Give a range that overlaps them")
-        lower[i], upper[i] = narrowed
+    for interval in scene.task(task_name).intervals:
+        if interval.name not in names:
+            raise _unknown_joint(robot, scene, task_name, interval)
+        i = names.index(interval.name)
+        low, high = interval.lower, interval.upper
+        if robot.turns_freely(interval.name):
+            shift = WHOLE_TURN * round(0.5 * (low + high - lower[i] - upper[i]) / WHOLE_TURN)
+            low, high = low - shift, high - shift
+        room = min(upper[i], high) - max(lower[i], low)
+        if room < -ROUNDING or (room <= 0.0 and low < high):
+            raise _apart(robot, scene, task_name, interval)
+        lower[i], upper[i] = np.clip((low, high), lower[i], upper[i])
     return lower, upper
 
 
+def _unknown_joint(robot: Robot, scene: Scene, task_name: str, interval: JointInterval) -> UnknownNameError:
+    mimic = robot.urdf.mimics.get(interval.name)
+    return UnknownNameError(
+        f"{interval.name!r} is no arm joint or synergy of {robot.description.name}",
+        file=scene.source,
+        key=_key(task_name, interval),
+        remedy=f"It mimics {mimic.leader}: name that" if mimic else close_names(interval.name, robot.posture_names),
+    )
+
+
+def _apart(robot: Robot, scene: Scene, task_name: str, interval: JointInterval) -> TaskError:
+    """Return the error of an interval that does not meet what the robot, the reserve or the task's range allow."""
+    task, name, locked = scene.task(task_name), interval.name, interval.key == "lock"
+    i = robot.posture_names.index(name)
+    low, high = float(robot.lower[i]), float(robot.upper[i])
+    reserve = task.reserve.joint if i < robot.arm_size and not robot.turns_freely(name) else 0.0
+    within = robot.turns_freely(name) or low + reserve <= interval.lower <= high - reserve
+    if locked and within:
+        first, last = task.joint_ranges[name]
+        problem = f"{interval.lower:g} is outside joint_ranges.{name}, [{first:g}, {last:g}]"
+        remedy = "Give the lock alone, or a range that holds it"
+    else:
+        limits = f"the limits [{low + reserve:g}, {high - reserve:g}] of the robot"
+        limits += f", less the task's reserve of {reserve:g}" if reserve else ""
+        if locked:
+            problem, remedy = f"{interval.lower:g} is outside {limits}", "Give a value within them"
+            if low <= interval.lower <= high:
+                remedy += ", or a smaller reserve.joint"
+        else:
+            problem = f"[{interval.lower:g}, {interval.upper:g}] does not meet {limits}"
+            remedy = "Give a range that overlaps them"
+    return TaskError(problem, file=scene.source, key=_key(task_name, interval), remedy=remedy)
+
+
+def _key(task_name: str, interval: JointInterval) -> str:
+    return f"tasks.{task_name}.{interval.key}.{interval.name}"
+
+
 def _within_reserve(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, Array]:
-    """Return the robot's limits of the posture, those of arm joints less the task's reserve."""
+    """Return the robot's limits of the posture, those of arm joints less the task's reserve, rad (m)."""
     reserve, lower, upper = scene.task(task_name).reserve.joint, robot.lower.copy(), robot.upper.copy()
     for i, name in enumerate(robot.description.arm.joints):
         if robot.turns_freely(name):
@@ -66,16 +106,16 @@ def _within_reserve(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, 
         if upper[i] - lower[i] <= 2.0 * reserve:
             problem = f"{reserve:g} leaves nothing of the limits [{lower[i]:g}, {upper[i]:g}] of {name}"
             key, remedy = f"tasks.{task_name}.reserve.joint", "Give a smaller reserve"
-            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
+            raise TaskError(problem, file=scene.source, key=key, remedy=remedy)
         lower[i], upper[i] = lower[i] + reserve, upper[i] - reserve
     return lower, upper
 
 
 def parameter_limits(robot: Robot, scene: Scene, task_name: str) -> Array:
-    """Return the ranges of the contact parameters q_c, within the task's reserve from the rims, shape (c, 2).
+    """Return the ranges of the contact parameters q_c, within the task's reserve from the rims, m (rad), shape (c, 2).
 
     Raises:
-        InputError: the reserve leaves nothing of a pad.
+        TaskError: the reserve leaves nothing of a pad.
     """
     reserve = scene.task(task_name).reserve.rim
     limits = [inside_rim(pad.patch, reserve) for pad in robot.pads]
@@ -83,5 +123,5 @@ def parameter_limits(robot: Robot, scene: Scene, task_name: str) -> Array:
         if (ranges[:, 0] > ranges[:, 1]).any():
             problem = f"a reserve of {1e3 * reserve:g} mm leaves nothing of the pad {pad.name!r}"
             key, remedy = f"tasks.{task_name}.reserve.rim", "Give a smaller reserve"
-            raise InputError(problem, file=scene.source, key=key, remedy=remedy)
+            raise TaskError(problem, file=scene.source, key=key, remedy=remedy)
     return np.concatenate(limits)

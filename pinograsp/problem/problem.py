@@ -86,6 +86,8 @@ class GraspProblem:
         low, high = model.parameter_limits.T
         self.lower = np.concatenate([model.lower, low])
         self.upper = np.concatenate([model.upper, high])
+        self.free = self.lower < self.upper
+        """Variables that are not locked."""
 
     def _of(self, kind: Kind) -> list[Constraint]:
         return [constraint for constraint in self.constraints if constraint.kind == kind]
@@ -134,7 +136,7 @@ class GraspProblem:
         """
         state = self.state(near.x)
         across = block_diag(*(constraint.independent(state) for constraint in self._equalities))
-        rows, sizes, _ = np.linalg.svd(across @ near.equalities.jacobian, full_matrices=False)
+        rows, sizes, _ = np.linalg.svd((across @ near.equalities.jacobian)[:, self.free], full_matrices=False)
         return np.asarray(rows[:, sizes > DEPENDENT * sizes.max()].T @ across)
 
     def violations(self, state: State) -> tuple[Violation, ...]:

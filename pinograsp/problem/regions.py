@@ -1,11 +1,11 @@
-"""Can a contact region be touched at all? Looked at on points spread over the object's surface."""
+"""Check that a contact region can be touched at all, on points spread over the object's surface."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
-from ..errors import InputError
+from ..arrays import Array, Mask
+from ..errors import TaskError
 from ..geometry.shapes import surface_of
 from ..kinematics.reach import arm_reach
 from .task_model import TaskModel
@@ -20,7 +20,7 @@ def check_region(model: TaskModel) -> list[str]:
     """Refuse a contact region that nothing can touch; return what is odd about it, in words.
 
     Raises:
-        InputError: no point of the surface is in the region, or every such point is covered by a wall, an obstacle
+        TaskError: no point of the surface is in the region, or every such point is covered by a wall, an obstacle
             or another object, or is beyond the arm's reach.
     """
     if model.region is None:
@@ -30,7 +30,7 @@ def check_region(model: TaskModel) -> list[str]:
     points, normals = _surface_points(model)
     inside = model.region(points)[0] >= 0.0
     if not inside.any():
-        raise InputError(
+        raise TaskError(
             f"no point of the surface of {model.task.object!r} is left for a contact",
             file=file,
             key=key,
@@ -40,7 +40,7 @@ def check_region(model: TaskModel) -> list[str]:
     world, outward = points[inside] @ R.T + origin, normals[inside] @ R.T
     free = _uncovered(model, world + ROOM * outward)
     if not free.any():
-        raise InputError(
+        raise TaskError(
             "no pad can get there: all of this region is against a wall, an obstacle or another object",
             file=file,
             key=key,
@@ -48,7 +48,7 @@ def check_region(model: TaskModel) -> list[str]:
     base, reach = arm_reach(model.robot)
     apart = np.linalg.norm(world[free] - base, axis=1)
     if apart.min() > reach:
-        raise InputError(
+        raise TaskError(
             f"no pad can get there: this region is {apart.min():.2f} m from the first arm joint, "
             f"and the pads reach {reach:.2f} m at most",
             file=file,
@@ -77,7 +77,7 @@ def _surface_points(model: TaskModel) -> tuple[Array, Array]:
     return points, model.surface.signed_distance(points)[1]
 
 
-def _uncovered(model: TaskModel, points: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _uncovered(model: TaskModel, points: Array) -> Mask:
     """Return which world points are inside the enclosure and in no obstacle or other object."""
     free = np.ones(len(points), dtype=bool)
     for inward, offset in model.scene.enclosure.walls.values():

@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
+from ..units import shown_in
 from .grasp import Grasp
-from .units import shown_in
 
 Numbers = dict[str, float]
 """The numbers of one grasp by name: the figures of its certificate, and U."""
@@ -68,6 +68,11 @@ class Criterion:
         """Return the value of a grasp as tables show it; a dash where it has none."""
         value = float(self.values([numbers])[0])
         return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
+
+    def shown(self, numbers: Numbers) -> str:
+        """Return `cell` with its unit."""
+        cell = self.cell(numbers)
+        return cell if cell == "-" else f"{cell} {self.shown_unit}".rstrip()
 
     @property
     def shown_unit(self) -> str:
@@ -158,7 +163,8 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         further: names that the caller knows besides, for the remedy.
 
     Raises:
-        InputError: there is none of this name, or it is no name.
+        UnknownNameError: there is none of this name.
+        InputError: it is no name.
     """
     if not isinstance(name, str):
         raise InputError(f"the name of a criterion is wanted, not {name!r}")
@@ -168,7 +174,9 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
     figures = {figure.name: figure for grasp in grasps for figure in grasp.certificate.figures}
     if name not in figures:
         names = sorted({*further, *BY_NAME, *ALIASES, *figures})
-        raise InputError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
+        raise UnknownNameError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
     figure = figures[name]
     better: Literal["least", "most"] = "most" if figure.sense == "at least" else "least"
-    return Criterion(name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit)
+    return Criterion(
+        name=name, meaning="figure", figures=(name,), better=better, unit=figure.unit, heading=name, format=".3g"
+    )

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene
-from ..descriptions.files import FileRoot, dotted
+from ..descriptions.model import FileRoot
+from ..descriptions.problems import dotted
 from ..verification.certificate import Certificate, Figure
 from .grasp import Contact, Cost, Grasp
 from .result import Blocked, Result
@@ -37,7 +38,7 @@ def decode(data: dict[str, Any]) -> Result:
         blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
         interrupted=data["interrupted"],
         warnings=tuple(data["warnings"]),
-        times=data["times_s"],
+        times=data["times"],
         provenance=_mapping(data["provenance"], "provenance"),
     )
 
@@ -103,8 +104,9 @@ def _finite(numbers: dict[str, Any]) -> dict[str, float]:
 
 
 def _contact(data: dict[str, Any]) -> Contact:
-    vectors = {key: _array(value, 3) for key, value in data.items() if isinstance(value, list)}
-    return Contact(**{**data, **vectors, "spin_torque": float(data["spin_torque"])})
+    vectors = {key: _array(data[key], 3) for key in ("point", "normal", "force", "desired_point")}
+    others = {"spin_torque": float(data["spin_torque"]), "T_world_pad": _array(data["T_world_pad"], 4, 4)}
+    return Contact(**{**data, **vectors, **others})
 
 
 def _figure(data: dict[str, Any]) -> Figure:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..errors import whole_number
 from .grasp import Grasp
 
 POSITION = 0.02
@@ -46,7 +47,11 @@ def different(ranked: Sequence[Grasp], most: int) -> tuple[Different, ...]:
     Args:
         ranked: the best first.
         most: number of grasps.
+
+    Raises:
+        InputError: the number is none, or negative.
     """
+    most = whole_number("most", most, 0)
     if not ranked:
         return ()
     T = np.array([grasp.T_world_wrist for grasp in ranked])

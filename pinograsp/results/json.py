@@ -10,8 +10,8 @@ import json
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..disk import write_whole
-from ..errors import InputError
+from ..disk import as_path, reason_of, write_whole
+from ..errors import FileError
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
 from .result import Result
@@ -29,7 +29,7 @@ def write_json(result: Result, file: Path | str) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    write_whole(Path(file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
+    write_whole(as_path("file", file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
 
 
 def read_json(file: Path | str) -> Result:
@@ -38,27 +38,27 @@ def read_json(file: Path | str) -> Result:
     A result whose file was changed since is read, too, and says so (`Result.altered`); `verify` finds what was changed.
 
     Raises:
-        InputError: the file is missing, is no JSON, or is of another format.
+        FileError: the file is missing, is no JSON, or is of another format.
     """
-    data = _load(Path(file))
+    data = _load(as_path("file", file))
     try:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.
         return dataclasses.replace(result, altered=encode(result) != data)
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
-        raise InputError(f"is damaged: {type(error).__name__} {error}", file=file) from None
+        raise FileError(f"is damaged: {type(error).__name__} {error}", file=file) from None
 
 
 def _load(file: Path) -> dict[str, Any]:
     try:
         data = json.loads(file.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
-        raise InputError(f"cannot be read: {(error.strerror or str(error)).lower()}", file=file) from None
+        raise FileError(f"cannot be read: {reason_of(error)}", file=file) from None
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not valid JSON: {error}", file=file) from None
+        raise FileError(f"is not valid JSON: {error}", file=file) from None
     version = data.get("format_version") if isinstance(data, dict) else None
     if version != FORMAT_VERSION:
-        raise InputError(
+        raise FileError(
             f"format version {version} cannot be read; this pinograsp reads {FORMAT_VERSION}",
             file=file,
             key="format_version",

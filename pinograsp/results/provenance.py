@@ -1,4 +1,4 @@
-"""Versions and hashes of what a result was computed from."""
+"""The origin of a result: versions of packages and hashes of files."""
 
 from __future__ import annotations
 

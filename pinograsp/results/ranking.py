@@ -29,14 +29,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..errors import InputError
+from ..arrays import Array, Indices, Mask
+from ..errors import InputError, require_kind
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Grasp
-
-Indices = NDArray[np.intp]
 
 SCORE = "score"
 """Name of the default order."""
@@ -96,6 +93,7 @@ def pareto_front(grasps: Sequence[Grasp], criteria: Sequence[str] = FRONT) -> tu
     Raises:
         InputError: there is no such criterion or figure.
     """
+    require_kind("criteria", criteria, Sequence)
     if isinstance(criteria, str):  # a sequence, too, but of letters
         raise InputError(f"a list of names is wanted, not {criteria!r}", key="criteria", remedy=f"Give [{criteria!r}]")
     default = ordered(grasps)
@@ -129,7 +127,7 @@ def _points(levels: Array, tier: Indices) -> Indices:
     return points
 
 
-def _undominated(levels: Array) -> NDArray[np.bool_]:
+def _undominated(levels: Array) -> Mask:
     """Return which of distinct rows, shape (n, criteria), no other is nowhere below; shape (n,)."""
     # What dominates a row is greater in lexicographic order, too: it came before, or was itself dominated by what did.
     front: list[int] = []

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from ..frozen import Record
 from .different import Different, different
 from .grasp import Grasp
 from .ranking import FRONT, SCORE, ordered_by, pareto_front
@@ -15,21 +16,25 @@ WITHSTAND = "withstand"
 """Kind of what blocks a start whose grasp withstands less than the task asks for."""
 
 
-@dataclass(frozen=True)
-class Blocked:
+@dataclass(frozen=True, eq=False, repr=False)
+class Blocked(Record):
     """The starts whose most violated constraint was of one kind."""
 
     starts: int
+    """Number of them."""
     nearest_miss: float
     """Least violation among them, in `unit`."""
     unit: str
+    """As the constraint reports it, such as "mm"; empty for a pure number."""
     where: str
     """Bodies, pad or figure of the nearest miss."""
 
 
-@dataclass(frozen=True)
-class Result:
-    """Outcome of a run: verified grasps, the best first, and what became of every start."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Record):
+    """Verified grasps of a run, the best first, and how every start ended."""
+
+    not_in_json = ("altered",)
 
     setup: Setup = field(repr=False)
     """Robot, scene and task; each of the grasps gets this object too."""
@@ -37,26 +42,28 @@ class Result:
     """In the default order (`results/ranking.py`)."""
     starts: int
     """Starts asked for."""
-    counts: dict[str, int]
+    counts: Mapping[str, int]
     """Starts per outcome of the solver: converged, feasible, infeasible, budget spent, failed."""
     verified: int
     """Starts that ended in a grasp which the independent check verified."""
     refuted: int
     """Starts whose grasp the solver called feasible and the independent check refuted."""
-    blocked: dict[str, Blocked]
-    """Reasons why the other starts are not verified, by kind of constraint."""
+    blocked: Mapping[str, Blocked]
+    """The starts that no verified grasp came of, by the kind of constraint that kept them from it."""
     interrupted: bool = False
-    times: dict[str, float] = field(default_factory=dict)
-    """Time of each stage, s; `solver_mean` is the mean of one start on one core."""
-    provenance: dict[str, Any] = field(default_factory=dict)
+    """Whether Ctrl-C ended the search."""
+    times: Mapping[str, float] = field(default_factory=dict, compare=False)
+    """Time of each stage, s; `solver_mean` is the mean of one start on one core. It does not count in comparisons."""
+    provenance: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
-    """Oddities of the task, in words."""
+    """Sentences about what is odd about the task."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 
     def __post_init__(self) -> None:
-        """Tell every grasp where it belongs."""
+        """Freeze the fields, and tell every grasp where it belongs."""
+        super().__post_init__()
         grasps = tuple(g if g.setup is self.setup else replace(g, setup=self.setup) for g in self.grasps)
         object.__setattr__(self, "grasps", grasps)
 
@@ -126,3 +133,12 @@ class Result:
             InputError: there is no such criterion or figure.
         """
         return different(self.ranked(by), most)
+
+    def __repr__(self) -> str:
+        starts = f"{self.verified} of {self.done} starts verified"
+        return f"<Result: {len(self.grasps)} distinct grasps, {starts}; {self.setup}>"
+
+    def _repr_html_(self) -> str:
+        from .html import result_html  # as `Grasp` does
+
+        return result_html(self)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..errors import InputError
+from ..frozen import Record
+from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
-from .encoding import encode_grasp
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
@@ -27,8 +28,8 @@ SOLVED = 1e-5
 """The same for figures that an iterative solver computes, which another processor rounds otherwise, relative."""
 
 
-@dataclass(frozen=True)
-class Difference:
+@dataclass(frozen=True, eq=False, repr=False)
+class Difference(Record):
     """A number or a word of a result that is not what follows from the rest of it."""
 
     grasp: int | None
@@ -36,10 +37,12 @@ class Difference:
     what: str
     """Its key in the file; figures go by their names and contacts by their pads."""
     stated: Any
+    """Number or word in the result; None: nothing."""
     recomputed: Any
+    """The same as it follows from the rest; None: nothing."""
 
 
-def verify(result: Result, progress: Callable[[int], None] | None = None) -> tuple[Difference, ...]:
+def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ...]:
     """Recompute every certificate of a result, and what else follows from joints, contact points and forces.
 
     Nothing but the result is used, and the URDF and the meshes that its robot names. Of a result that was read from a
@@ -47,13 +50,13 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
 
     - every figure of the certificates;
     - U, Phi and V, arm joints, synergies, normals and desired points, pads and links;
-    - the wrist's pose;
+    - the poses of the wrist and of the pads, and the order of the joints;
     - the order of the grasps and the numbers of starts;
     - the hashes of the robot's files.
 
     Args:
         result: from `plan` or `read_json`.
-        progress: called after every grasp with the number of those that are done.
+        progress: called after every grasp.
 
     Returns:
         All differences; none if everything stands.
@@ -66,8 +69,7 @@ def verify(result: Result, progress: Callable[[int], None] | None = None) -> tup
     verifier = Verifier(setup.robot, setup.scene, setup.task)
     for number, grasp in enumerate(result.grasps, 1):
         found += _of_grasp(number, grasp, setup, verifier)
-        if progress:
-            progress(number)
+        progress(Progress("certificates", number, len(result.grasps)))
     return tuple(found)
 
 
@@ -110,9 +112,11 @@ def _of_grasp(number: int, grasp: Grasp, setup: Setup, verifier: Verifier) -> It
     except InputError as error:
         yield Difference(number, "certificate", "verified", str(error))
         return
-    stated = encode_grasp(grasp)
+    stated, order = grasp.to_json(), list(recomputed.joints)
+    if list(grasp.joints) != order:  # which JSON data that is compared by its keys does not show
+        yield Difference(number, "order of joints", list(grasp.joints), order)
     stated["certificate"]["verified"] = True  # that is what a result holds
-    yield from _differences(number, dict(_leaves(stated)), dict(_leaves(encode_grasp(recomputed))))
+    yield from _differences(number, dict(_leaves(stated)), dict(_leaves(recomputed.to_json())))
 
 
 def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
@@ -125,12 +129,15 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     pads = robot_for(setup.robot, setup.scene, setup.task).pads
     return replace(
         grasp,
+        joints={name: grasp.joints[name] for name in derived.joint_order},
         q_arm=np.array([grasp.joints[name] for name in setup.robot.arm.joints]),
         synergy=derived.synergies,
         cost=Cost(phi_mm2 + task.force_weight * derived.V, phi_mm2, derived.V),
         contacts=tuple(
-            replace(contact, pad=pad.name, link=pad.link, normal=normal, desired_point=point)
-            for contact, pad, normal, point in zip(contacts, pads, derived.normals, desired, strict=True)
+            replace(contact, pad=pad.name, link=pad.link, normal=normal, desired_point=point, T_world_pad=T)
+            for contact, pad, normal, point, T in zip(
+                contacts, pads, derived.normals, desired, derived.T_world_pads, strict=True
+            )
         ),
         certificate=certificate,
         T_world_wrist=derived.T_world_wrist,
@@ -159,7 +166,7 @@ def _desired_points(setup: Setup, stated: Array) -> Array:
 
 def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the numbers and words in JSON data by key path, `certificate.figures.friction.value`."""
-    if isinstance(data, dict):
+    if isinstance(data, Mapping):
         parts = data.items()
     elif isinstance(data, list):
         parts = _labelled(data).items()

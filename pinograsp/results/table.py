@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
-from rich import box
-from rich.table import Table
-
-from .criteria import CRITERIA, numbers_of
+from ..tables import GAP, Table
+from ..verification.certificate import Figure, PairClearance
+from .criteria import CRITERIA, criterion_of, numbers_of
+from .grasp import Contact, Grasp
 from .ranking import SCORE
 from .result import Result
 
+ANGLE = 5
+"""Characters of an angle in whole degrees, with the space before it."""
 
-def grasp_table(result: Result, rows: int = 10, by: str = SCORE) -> Table:
-    """Return a table of the best grasps that differ from each other; it fits 80 columns with seven arm joints.
+
+def grasp_table(result: Result, rows: int = 10, by: str = SCORE, width: int = 80) -> Table:
+    """Return a table of the best grasps that differ from each other.
 
     Grasps go by their numbers in the result, from 1; `found` counts the starts of all grasps that one stands for.
 
@@ -21,27 +25,100 @@ def grasp_table(result: Result, rows: int = 10, by: str = SCORE) -> Table:
         result: with a grasp or more.
         rows: number of grasps at most.
         by: the order in which they are chosen, as for `Result.ranked`.
+        width: of the terminal, in characters; angles for which a line has no room follow in the next one.
 
     Raises:
         InputError: there is no such criterion or figure.
     """
-    shown = result.different(rows, by)
-    numbers = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
+    shown = [(grasp, starts) for grasp, starts, _ in result.different(rows, by)]
     title = f"{result.task}: {len(shown)} different of {len(result.grasps)} distinct grasps"
-    title += f", {result.robot} in {result.scene}"
-    table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, pad_edge=False)
-    table.caption = None if by == SCORE else f"by {by}"
-    columns = [criterion for criterion in CRITERIA if criterion.narrow]
-    for heading in ("", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns)):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("   arm joints\n   °", no_wrap=True)
-    for grasp, starts, _ in shown:
-        table.add_row(
-            str(numbers[id(grasp)]),
-            f"{starts}x",
-            *(criterion.cell(numbers_of(grasp)) for criterion in columns),
-            "".join(f"{math.degrees(angle):5.0f}" for angle in grasp.q_arm),
-        )
+    title += f", {result.robot} in {result.scene}" + ("" if by == SCORE else f", by {by}")
+    return list_table(result, shown, title, [by], width)
+
+
+def list_table(
+    result: Result, shown: Sequence[tuple[Grasp, int]], title: str, criteria: Sequence[str] = (), width: int = 80
+) -> Table:
+    """Return a table of grasps of a result in the order given; they go by their numbers in the result, from 1.
+
+    Args:
+        result: that they belong to.
+        shown: grasps, each with the number of starts that it stands for.
+        title: of the table.
+        criteria: names of criteria or figures that get a column besides those that every table has; "score" has none.
+        width: of the terminal, in characters.
+
+    Raises:
+        InputError: there is no such criterion or figure.
+    """
+    number_of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
+    columns = {criterion.name: criterion for criterion in CRITERIA if criterion.narrow}
+    for name in criteria:
+        if name != SCORE:
+            criterion = criterion_of(name, result.grasps)
+            columns.setdefault(criterion.name, criterion)
+    headings = ["", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns.values())]
+    rows = [
+        [str(number_of[id(grasp)]), f"{starts}x", *(c.cell(numbers_of(grasp)) for c in columns.values())]
+        for grasp, starts in shown
+    ]
+    table = Table(title)
+    table.numbers(*headings)
+    table.lines(" arm joints\n °")
+    taken = sum(max(map(_width, column)) + GAP for column in zip(headings, *rows, strict=True))
+    for (grasp, _), row in zip(shown, rows, strict=True):
+        table.add(*row, angle_lines(grasp.q_arm, width - taken))
+    return table
+
+
+def _width(cell: str) -> int:
+    return max(len(line) for line in cell.split("\n"))
+
+
+def angle_lines(angles: Iterable[float], room: int) -> str:
+    """Return angles in whole degrees, in as many lines of equal length as the room in a line makes necessary."""
+    shown = [f"{math.degrees(angle):{ANGLE}.0f}" for angle in angles]
+    lines = math.ceil(len(shown) / max(1, room // ANGLE))
+    length = math.ceil(len(shown) / lines)
+    return "\n".join("".join(shown[i : i + length]) for i in range(0, len(shown), length))
+
+
+def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
+    """Return a table of figures of a certificate with their limits; what does not hold has a mark."""
+    table = Table(title)
+    table.numbers("")
+    table.words("figure")
+    table.numbers("value", "limit")
+    table.words("where")
+    for figure in figures:
+        cells = ("" if figure.holds else "!", figure.name, figure.shown_value, figure.shown_limit)
+        table.add(*cells, figure.where, color="" if figure.holds else "red")
+    return table
+
+
+def clearances_table(clearances: Iterable[PairClearance], title: str = "") -> Table:
+    """Return a table of the distances of links to each other and to what stands around them, in mm.
+
+    The kinds of clearances go by their first word, `self` for `self clearance`.
+    """
+    table = Table(title)
+    table.numbers("mm")
+    table.words("between", "kind")
+    for pair in clearances:
+        distance = f"{1e3 * pair.distance:z.1f}" if math.isfinite(pair.distance) else "overlap"
+        table.add(distance, f"{pair.link} / {pair.other}", pair.name.removesuffix(" clearance"))
+    return table
+
+
+def contacts_table(contacts: Iterable[Contact], title: str = "") -> Table:
+    """Return a table of contacts: points in mm in the world, forces in N, spin torques in N mm."""
+    table = Table(title)
+    table.words("pad")
+    table.numbers("contact point\nmm", "force on the object\nN", "spin\nN mm")
+    for contact in contacts:
+        point = "".join(f"{1e3 * x:8.1f}" for x in contact.point)
+        force = "".join(f"{x:7.2f}" for x in contact.force)
+        table.add(contact.pad, point, force, f"{1e3 * contact.spin_torque:.1f}")
     return table
 
 
@@ -53,6 +130,8 @@ def outcome_lines(result: Result) -> list[str]:
     if result.done < result.starts:
         reason = "interrupted" if result.interrupted else "no more collision-free starts near the object were found"
         lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: {reason}")
+    elif result.interrupted:
+        lines.append("interrupted: the resistance of some grasps is not known")
     if result.refuted:
         lines.append(f"{result.refuted} starts feasible for the solver, refuted by the independent check")
     for kind, blocked in sorted(result.blocked.items(), key=lambda item: -item[1].starts):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
+from ..errors import UnknownNameError, close_names, real_number, whole_number
 from .backends import Limits, backend_of
 
 Projection = Literal["nothing", "contacts", "contacts and clearance"]
@@ -13,7 +14,11 @@ Projection = Literal["nothing", "contacts", "contacts and clearance"]
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """How each start is solved."""
+    """How each start is solved.
+
+    Raises:
+        InputError: a number is out of range, or there is no such projection.
+    """
 
     algorithm: str = "LD_SLSQP"
     """Name of a backend."""
@@ -27,6 +32,17 @@ class SolverOptions:
     """Change of the scaled cost at which a solve stops, 0.001 mm^2 in U; also ten times this part of the cost."""
     projection: Projection = "contacts and clearance"
     """Conditions that a start is projected on before the solve."""
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that make no sense."""
+        if self.max_evaluations is not None:
+            whole_number("max_evaluations", self.max_evaluations, 1)
+        whole_number("tries", self.tries, 1)
+        for name in ("tolerance", "cost_tolerance"):
+            real_number(name, getattr(self, name), 0.0)
+        if self.projection not in (known := get_args(Projection)):
+            remedy = close_names(self.projection, known)
+            raise UnknownNameError(f"no projection {self.projection!r}", key="projection", remedy=remedy)
 
     @property
     def budget(self) -> int:

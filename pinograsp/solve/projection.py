@@ -68,7 +68,7 @@ def _descend(
 
     Unless they are sliding, contacts stay where they are on their pads.
     """
-    unit = problem.model.robot.step_units.copy()
+    unit = np.where(problem.free, problem.model.robot.step_units, 0.0)
     if not sliding:
         unit[problem.model.robot.posture_size :] = 0.0
     damping = INITIAL_DAMPING

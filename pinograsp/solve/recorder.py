@@ -53,26 +53,34 @@ class Recorder:
 
 
 def program_from(recorder: Recorder, x: Array) -> Program:
-    """Return the recorder's problem in the variables z = x / step_units, to be solved from x, shape (v,)."""
+    """Return the recorder's problem in the variables z = x / step_units, to be solved from x, shape (v,).
+
+    Variables that are locked are none of the program's: solvers stumble over bounds without room.
+    """
     problem = recorder.problem
-    unit = problem.model.robot.step_units
+    free, unit = problem.free, problem.model.robot.step_units
     basis = problem.equality_basis(recorder.at(x))
-    lower, upper = problem.lower / unit, problem.upper / unit
+    lower, upper = (problem.lower / unit)[free], (problem.upper / unit)[free]
+
+    def at(z: Array) -> Evaluation:
+        point = problem.lower.copy()
+        point[free] = z * unit[free]
+        return recorder.at(point)
 
     def cost(z: Array) -> tuple[float, Array]:
-        evaluation = recorder.at(z * unit)
-        return evaluation.cost, evaluation.cost_gradient * unit
+        evaluation = at(z)
+        return evaluation.cost, (evaluation.cost_gradient * unit)[free]
 
     def equalities(z: Array) -> tuple[Array, Array]:
-        residual = recorder.at(z * unit).equalities
-        return basis @ residual.values, basis @ residual.jacobian * unit
+        residual = at(z).equalities
+        return basis @ residual.values, (basis @ residual.jacobian * unit)[:, free]
 
     def inequalities(z: Array) -> tuple[Array, Array]:
-        residual = recorder.at(z * unit).inequalities
-        return residual.values, residual.jacobian * unit
+        residual = at(z).inequalities
+        return residual.values, (residual.jacobian * unit)[:, free]
 
     return Program(
-        start=np.clip(x / unit, lower, upper),
+        start=np.clip((x / unit)[free], lower, upper),
         lower=lower,
         upper=upper,
         cost=cost,

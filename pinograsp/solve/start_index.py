@@ -13,7 +13,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..database.store import Database
 from ..geometry.patches import patch_point
 from ..kinematics.batch import BatchKinematics
@@ -21,12 +21,14 @@ from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
 from ..problem import TaskModel
-from .starts import RANGE_SLACK, held, postures, turning
+from .starts import RANGE_SLACK, held, in_turn, locked, postures, ranged, turning
 
 MOST_ROWS = 400_000
 """Of a larger database an even share is taken."""
 LOOKED_AT = 1500
 """Rows nearest to an object whose pads are looked at."""
+LOCKED_SHARE = 8
+"""Where joints are locked, those rows are the one of so many whose joints are nearest to their values."""
 
 
 class HeldHand:
@@ -91,7 +93,8 @@ class StartIndex:
         """Return up to `count` postures (q_a, sigma), the most promising first, shape (found, l + s).
 
         Those that keep the task's cone of approach directions and its joint ranges come first, then those that miss
-        them by up to `starts.RANGE_SLACK`, as in `starts_near`.
+        them by up to `starts.RANGE_SLACK`, as in `starts_near`. Where joints are locked, rows are taken that are near
+        the object and near their values, and set to these; how far the pads are from the desired contacts counts after.
 
         Args:
             model: the task.
@@ -100,13 +103,23 @@ class StartIndex:
         """
         if not len(self._q):
             return np.empty((0, model.robot.posture_size))
-        _, rows = self._tree.query(model.desired_points.mean(axis=0), k=min(len(self._q), max(count, LOOKED_AT)))
-        rows = np.atleast_1d(rows)
+        rows = self._near(model, max(count, LOOKED_AT))
         found = postures(model, self._q[rows], hand.synergies)
         missed = self._missed(model, found, self._approaches[rows])
         kept = np.where(missed > RANGE_SLACK, 2, np.where(missed > 0.0, 1, 0))
-        order = np.lexsort([hand.misses(self._q[rows], model.desired_points), kept])
+        order = np.lexsort([hand.misses(found[:, : model.robot.arm_size], model.desired_points), kept])
         return found[order[kept[order] < 2][:count]]
+
+    def _near(self, model: TaskModel, count: int) -> Indices:
+        """Return up to `count` rows whose grasp is near the object; of more of them those nearest to locked joints."""
+        fixed = locked(model)
+        more = count * LOCKED_SHARE if len(fixed) else count
+        _, rows = self._tree.query(model.desired_points.mean(axis=0), k=min(len(self._q), more))
+        rows = np.atleast_1d(rows)
+        if not len(fixed):
+            return rows
+        off = np.abs(in_turn(model, self._q[rows])[:, fixed] - model.lower[fixed]) / model.robot.step_units[fixed]
+        return rows[np.argsort(off.max(axis=1), kind="stable")[:count]]
 
     def _missed(self, model: TaskModel, found: Array, approaches: Array) -> Array:
         """Return by how much starts miss cone or ranges at most, rad, shape (n,); no slack for sliders."""
@@ -114,10 +127,9 @@ class StartIndex:
         if model.approach is not None:
             missed = np.arccos(np.clip(approaches @ model.approach.axis, -1.0, 1.0)) - model.approach.half_angle
         turned = turning(model)
-        for i, name in enumerate(model.robot.description.arm.joints):
-            if name in model.task.joint_ranges:
-                beyond = np.maximum(model.lower[i] - found[:, i], found[:, i] - model.upper[i])
-                missed = np.maximum(missed, beyond if name in turned else np.where(beyond > 0.0, np.inf, beyond))
+        for name, i in ranged(model).items():
+            beyond = np.maximum(model.lower[i] - found[:, i], found[:, i] - model.upper[i])
+            missed = np.maximum(missed, beyond if name in turned else np.where(beyond > 0.0, np.inf, beyond))
         return np.asarray(missed)
 
 

@@ -33,10 +33,9 @@ from typing import Any
 
 import clarabel
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from ..arrays import Array, cross
+from ..arrays import Array, Indices, Mask, cross
 
 SHARE = 2e-3
 """Share of a wrench, torques over the length, that may stay unbalanced in a direction that no forces balance."""
@@ -66,7 +65,7 @@ class Limits:
 class ContactPoints:
     """The points of all footprints, contact by contact, world frame; p points."""
 
-    contact: NDArray[np.intp]
+    contact: Indices
     """Number of the contact of each point, from 0, in order, shape (p,)."""
     points: Array
     """m, shape (p, 3)."""
@@ -170,7 +169,7 @@ class BalanceProblem:
         tau = np.broadcast_to([drive * tau for tau in self._tau], (*wrenches.shape[:-1], len(self._tau)))
         return np.concatenate([-forces, -torques, tau], axis=-1)
 
-    def _in_reach(self, sides: Array) -> NDArray[np.bool_]:
+    def _in_reach(self, sides: Array) -> Mask:
         missing = np.linalg.norm(sides @ self._ranges[1], axis=1)
         return np.asarray(missing <= SHARE * np.linalg.norm(sides, axis=1))
 
@@ -179,9 +178,9 @@ class BalanceProblem:
 class _Columns:
     """The components of all forces: pressing, two tangential ones and, for soft fingers, spin, all in N."""
 
-    point: NDArray[np.intp]
+    point: Indices
     """Shape (n,)."""
-    kind: NDArray[np.intp]
+    kind: Indices
     """0 pressing, 1 and 2 tangential, 3 spin, shape (n,)."""
     forces: Array
     """Force of a unit, world, shape (n, 3)."""
@@ -215,7 +214,7 @@ class _Cones:
     """C, shape (m, n): half-lines first."""
     offsets: Array
     """c, N, shape (m,)."""
-    heads: NDArray[np.bool_]
+    heads: Mask
     """Which rows have to be large: the half-lines and the first row of each second-order cone, shape (m,)."""
     half_lines: int
     sizes: tuple[int, ...]
@@ -309,11 +308,11 @@ class _Pattern:
     P: Any
     q: Array
     kinds: list[Any]
-    indices: NDArray[np.intp]
+    indices: Indices
     """Row of every number of A, column after column."""
-    starts: NDArray[np.intp]
+    starts: Indices
     """First number of each column of A."""
-    place: NDArray[np.intp]
+    place: Indices
     """Row of A for every row of every program, shape (programs, rows)."""
 
     def filled(self, block: Array, growth: Array, sides: Array) -> tuple[Any, Array]:

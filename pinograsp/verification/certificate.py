@@ -1,23 +1,34 @@
-"""The figures that prove a grasp."""
+"""The figures that prove a grasp, and the distances of a posture pair by pair."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
+
+from .. import notebook
+from ..frozen import Record, unknown
+from ..units import shown_in
 
 
-@dataclass(frozen=True)
-class Figure:
-    """One recomputed quantity against its limit, in `unit`; one that nothing limits has the limit -inf, "at least"."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Figure(Record):
+    """One recomputed quantity against its limit; one that nothing limits has the limit -inf, "at least"."""
+
+    also_in_json = ("holds",)
 
     name: str
     value: float
+    """In `unit`; nan or infinite where it could not be computed."""
     limit: float
+    """In `unit`; infinite if nothing limits the value."""
     unit: str
+    """SI, angles in radians; empty for a pure number."""
     sense: Literal["at least", "at most"]
+    """On which side of the limit the value must be."""
     where: str = ""
-    """The pair of bodies, the pad or the joint whose value it is: the one that is nearest to the limit."""
+    """Pair of bodies, pad or joint that is nearest to the limit."""
 
     @property
     def holds(self) -> bool:
@@ -26,10 +37,30 @@ class Figure:
             return False
         return self.value >= self.limit if self.sense == "at least" else self.value <= self.limit
 
+    @property
+    def shown_value(self) -> str:
+        """The value in the unit in which tables show it, such as "31.2 mm"."""
+        scale, unit = shown_in(self.unit)
+        return f"{scale * self.value:.3g} {unit}".rstrip()
 
-@dataclass(frozen=True)
-class Certificate:
-    """Every figure of the independent check of one grasp."""
+    @property
+    def shown_limit(self) -> str:
+        """The limit in the unit in which tables show it, such as "≥ 5 mm"; empty if nothing limits the value."""
+        if not math.isfinite(self.limit):
+            return ""
+        scale, unit = shown_in(self.unit)
+        return f"{'≥' if self.sense == 'at least' else '≤'} {scale * self.limit:.2g} {unit}".rstrip()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Certificate(Record, Mapping[str, Figure]):
+    """Every figure of the independent check of one grasp; a mapping of figures by name, in the order of `figures`.
+
+    Raises:
+        UnknownNameError: (a `KeyError`, when a figure is looked up) there is none of this name; close ones are named.
+    """
+
+    also_in_json = ("verified",)
 
     figures: tuple[Figure, ...]
 
@@ -45,22 +76,55 @@ class Certificate:
 
     def __getitem__(self, name: str) -> Figure:
         """Return a figure by name."""
-        return next(figure for figure in self.figures if figure.name == name)
+        for figure in self.figures:
+            if figure.name == name:
+                return figure
+        raise unknown(name, self)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the certificate as JSON data; numbers that are not finite, which JSON lacks, are None."""
-        return {
-            "verified": self.verified,
-            "figures": [
-                {
-                    "name": f.name,
-                    "value": f.value if math.isfinite(f.value) else None,
-                    "limit": f.limit if math.isfinite(f.limit) else None,
-                    "sense": f.sense,
-                    "unit": f.unit,
-                    "where": f.where,
-                    "holds": f.holds,
-                }
-                for f in self.figures
-            ],
-        }
+    def __contains__(self, name: object) -> bool:
+        return any(figure.name == name for figure in self.figures)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(dict.fromkeys(figure.name for figure in self.figures))
+
+    def __len__(self) -> int:
+        return len({figure.name for figure in self.figures})
+
+    def __repr__(self) -> str:
+        refuted = self.refuted_by
+        if not refuted:
+            return f"<Certificate: verified, {len(self)} figures>"
+        return f"<Certificate: refuted by {summary(refuted)}>"
+
+    def _repr_html_(self) -> str:
+        refuted = self.refuted_by
+        verdict = f"not verified: refuted by {summary(refuted)}" if refuted else "verified"
+        rows = [
+            notebook.row(
+                (figure.name, figure.shown_value, figure.shown_limit, "" if figure.holds else "fails", figure.where),
+                bold=not figure.holds,
+            )
+            for figure in self.figures
+        ]
+        return notebook.table(f"Certificate: {verdict}", rows, ("figure", "value", "limit", "", "where"))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PairClearance(Record):
+    """The distance of a link to something else."""
+
+    name: str
+    """Kind of the clearance, as in a certificate."""
+    link: str
+    """Name of the link."""
+    other: str
+    """Name of the wall, obstacle, object or link."""
+    distance: float
+    """m, at most 0.05; negative if they overlap, -inf where they do and no exact depth is known."""
+
+
+def summary(figures: tuple[Figure, ...], most: int = 3) -> str:
+    """Return figures that are not kept in one line of plain text, at most so many of them by name."""
+    said = [f"{f.name} {f.shown_value} ({f.shown_limit})" for f in figures[:most]]
+    return ", ".join(said) + (f" and {len(figures) - most} more" if len(figures) > most else "")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene, robot_for
-from ..errors import InputError, close_names
-from .certificate import Certificate, Figure
+from ..errors import InputError, TaskError, UnknownNameError, close_names
+from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, footprint_figure, footprints, region_figure, rim_figures
@@ -21,7 +21,7 @@ from .forces import balance_figures, force_figures
 from .jacobians import manipulability_figure, rate_of_twist
 from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
-from .pair_clearances import PairClearance, link_clearances, shape_clearances, wall_clearances
+from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .resistance import Hold, drive_torques, hold_of, mass_of, resistance_figures
 from .robot import read_robot
@@ -41,7 +41,9 @@ class Verifier:
         task_name: a task of the scene.
 
     Raises:
-        InputError: a file is missing or cannot be read, or there is no such task.
+        FileError: a file is missing or cannot be read.
+        UnknownNameError: there is no such task, or a joint, link or pad that is named.
+        TaskError: it asks for an acceleration without a mass.
     """
 
     def __init__(self, robot: RobotDescription, scene: Scene, task_name: str) -> None:
@@ -58,7 +60,7 @@ class Verifier:
         self._mass = mass_of(body, self._task)
         if self._task.withstand is not None and self._mass is None:
             key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
-            raise InputError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
+            raise TaskError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
@@ -147,15 +149,17 @@ class Verifier:
         """
         self._require_complete(claim)
         poses = self._kinematics.poses(claim.joints)
-        pad_normals = Pads.at(self._pads, poses).nearest(claim.points)[1]
+        pads = Pads.at(self._pads, poses)
         return Derived(
             normals=-np.array([self._target.inward(point) for point in claim.points]),
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, pad_normals, self._pads, self._task),
+            V=force_cost(claim, pads.nearest(claim.points)[1], self._pads, self._task),
+            T_world_pads=pads.poses,
+            joint_order=self._kinematics.joint_order,
         )
 
-    def check_posture(self, joints: dict[str, float]) -> Certificate:
+    def check_posture(self, joints: Mapping[str, float]) -> Certificate:
         """Recompute the clearances of a posture to enclosure, obstacles and itself; the object does not count.
 
         Args:
@@ -164,7 +168,7 @@ class Verifier:
         poses = self._kinematics.poses(joints)
         return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
 
-    def clearances(self, joints: dict[str, float]) -> tuple[PairClearance, ...]:
+    def clearances(self, joints: Mapping[str, float]) -> tuple[PairClearance, ...]:
         """Return the distances below 50 mm of a posture, pair by pair, the least first.
 
         Args:
@@ -194,7 +198,7 @@ class Verifier:
             figures += resistance_figures(self._hold(claim, poses), self._mass, self._task.withstand)
         return figures
 
-    def _joints(self, angles: dict[str, float]) -> list[Figure]:
+    def _joints(self, angles: Mapping[str, float]) -> list[Figure]:
         limits, joints = self._robot.limits, self._kinematics.joints
         figures = [
             limits_figure(limits, angles) if limits else None,
@@ -209,9 +213,9 @@ class Verifier:
         if self._task.approach is not None:
             pose = poses[self._robot.arm.wrist]
             figures.append(approach_figure(self._task.approach, self._T_world_object, pose, self._robot.arm.wrist))
-        if self._task.joint_ranges:
-            positions = self._robot.synergies.values(claim.joints) | claim.joints
-            figures.append(ranges_figure(self._task.joint_ranges, positions, self._robot.endless))
+        if self._task.intervals:
+            positions = {**self._robot.synergies.values(claim.joints), **claim.joints}
+            figures.append(ranges_figure(self._task.intervals, positions, self._robot.endless))
         return figures
 
     def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
@@ -284,9 +288,9 @@ def _unknown(figures: Sequence[Figure]) -> tuple[Figure, ...]:
 
 
 def _require_ranges_known(scene: Scene, task_name: str, kinematics: Kinematics, synergies: Synergies) -> None:
-    """Refuse a task with ranges of joints that the URDF does not have, and that are no synergies."""
+    """Refuse a task with ranges or locks of joints that the URDF does not have, and that are no synergies."""
     joints = {*(joint.name for joint in kinematics.joints), *synergies.names}
-    for name in scene.task(task_name).joint_ranges:
+    for where, name, _, _ in scene.task(task_name).intervals:
         if name not in joints:
-            key, remedy = f"tasks.{task_name}.joint_ranges.{name}", close_names(name, sorted(joints))
-            raise InputError(f"the URDF has no movable joint {name!r}", file=scene.source, key=key, remedy=remedy)
+            key, remedy = f"tasks.{task_name}.{where}.{name}", close_names(name, sorted(joints))
+            raise UnknownNameError(f"the URDF has no movable joint {name!r}", file=scene.source, key=key, remedy=remedy)

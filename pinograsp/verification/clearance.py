@@ -9,7 +9,7 @@ the bodies are apart; where they intersect and no exact depth is known it is -in
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import coal
@@ -21,7 +21,7 @@ from .kinematics import Poses
 from .link_mesh import LinkMesh
 from .shapes import PENETRATION, PlacedShape
 
-Walls = dict[str, tuple[Array, float]]
+Walls = Mapping[str, tuple[Array, float]]
 LinkPair = tuple[LinkMesh, LinkMesh]
 ShapePair = tuple[LinkMesh, PlacedShape]
 

@@ -54,6 +54,13 @@ class Pads:
         """Their names."""
         return tuple(pad.name for pad in self.pads)
 
+    @property
+    def poses(self) -> Array:
+        """Poses of the patch frames in the world, m, shape (pads, 4, 4)."""
+        T = np.tile(np.eye(4), (len(self.pads), 1, 1))
+        T[:, :3, :3], T[:, :3, 3] = self.rotations, self.origins
+        return T
+
     def to_pads(self, points: Array) -> Array:
         """Transform world point i into the frame of the patch of pad i, shape (pads, 3)."""
         return np.asarray(np.einsum("pji,pj->pi", self.rotations, points - self.origins))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from ..descriptions import RobotDescription
@@ -20,20 +20,20 @@ def joint_limits(joints: Iterable[Joint], robot: RobotDescription) -> Limits:
     return limits
 
 
-def limits_figure(limits: Limits, angles: dict[str, float]) -> Figure:
+def limits_figure(limits: Limits, angles: Mapping[str, float]) -> Figure:
     """Return the least distance of a joint from its limits, rad (m for sliding joints)."""
     margins = {name: min(angles[name] - low, high - angles[name]) for name, (low, high) in limits.items()}
     worst = min(margins, key=margins.__getitem__)
     return Figure("joint limits", float(margins[worst]), -1e-9, "rad", "at least", worst)
 
 
-def reserve_figure(limits: Limits, arm: Iterable[str], angles: dict[str, float], reserve: float) -> Figure | None:
+def reserve_figure(limits: Limits, arm: Iterable[str], angles: Mapping[str, float], reserve: float) -> Figure | None:
     """Return the least distance of an arm joint from its limits, rad (m for sliding joints); None if none has any."""
     own = {name: limits[name] for name in arm if name in limits}
     return replace(limits_figure(own, angles), name="joint reserve", limit=reserve - 1e-9) if own else None
 
 
-def mimic_figure(joints: Iterable[Joint], angles: dict[str, float]) -> Figure:
+def mimic_figure(joints: Iterable[Joint], angles: Mapping[str, float]) -> Figure:
     """Return the largest deviation of a joint from what it mimics, rad (m for sliding joints)."""
     errors = {
         joint.name: abs(angles[joint.name] - (joint.multiplier * angles[joint.mimics] + joint.offset))

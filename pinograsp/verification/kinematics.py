@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ import yourdfpy
 
 from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
-from ..errors import InputError
+from ..errors import FileError, InputError
 
 Poses = dict[str, Array]
 """Link name to T_world_link, shape (4, 4)."""
@@ -58,7 +59,7 @@ def parsed(urdf: RobotUrdf, file: Path) -> Any:
     try:
         return yourdfpy.URDF.load(io.BytesIO(urdf.xml.encode()), build_scene_graph=False, load_meshes=False)
     except (OSError, SyntaxError, ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(f"cannot be read as URDF: {error}", file=file) from None
+        raise FileError(f"cannot be read as URDF: {error}", file=file) from None
 
 
 class Kinematics:
@@ -74,6 +75,8 @@ class Kinematics:
         self._tree = _from_root_outwards(urdf, file)
         self.root: str = self._tree[0].parent if self._tree else next(iter(urdf.link_map))
         self.joints = tuple(_joint(joint) for joint in self._tree if joint.type in _MOVABLE)
+        self.joint_order = tuple(joint.name for joint in urdf.robot.joints if joint.type in _MOVABLE)
+        """Names of the movable joints as the document has them."""
         self._origins = np.array([np.eye(4) if joint.origin is None else joint.origin for joint in self._tree]).reshape(
             -1, 4, 4
         )
@@ -146,7 +149,7 @@ class Kinematics:
 
         return {leader(name) for name in on_the_way(first) ^ on_the_way(second)}
 
-    def followed(self, angles: dict[str, float]) -> dict[str, float]:
+    def followed(self, angles: Mapping[str, float]) -> dict[str, float]:
         """Return the value of every movable joint, rad (m): as given, as a mimic joint has to follow, or zero."""
         joints = {joint.name: joint for joint in self.joints}
 
@@ -158,7 +161,7 @@ class Kinematics:
 
         return {name: value(name) for name in joints}
 
-    def poses(self, angles: dict[str, float]) -> Poses:
+    def poses(self, angles: Mapping[str, float]) -> Poses:
         """Return the pose in the world of every link.
 
         Args:

@@ -14,10 +14,9 @@ from zipfile import BadZipFile
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..disk import cache_folder, digest, write_whole
 from ..errors import InputError
 
@@ -32,7 +31,7 @@ class LinkMesh:
     link: str
     vertices: Array
     """Shape (vertices, 3)."""
-    faces: NDArray[np.int64]
+    faces: Integers
     """Shape (triangles, 3)."""
     hull: Array
     """Corners of the convex hull, shape (corners, 3)."""
@@ -86,7 +85,7 @@ class LinkMesh:
         return float(angles.sum() / (4 * np.pi))
 
 
-def _tree(vertices: Array, faces: NDArray[np.int64]) -> Any:
+def _tree(vertices: Array, faces: Integers) -> Any:
     tree = coal.BVHModelOBBRSS()
     tree.beginModel(len(faces), len(vertices))
     tree.addVertices(vertices)

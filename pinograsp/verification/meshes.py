@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import trimesh
 
 from ..arrays import Array
 from ..descriptions.composition import Composition
-from ..errors import InputError
+from ..errors import FileError, InputError
 from .link_mesh import LinkMesh, kept
 
 _SECTIONS = 128
@@ -81,7 +82,9 @@ def _placed(collision: Any, link: str, robot: Composition) -> Any:
 
 def _read(file: str, link: str) -> Any:
     try:
-        mesh = trimesh.load_scene(file).to_geometry()
+        with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
+            warnings.simplefilter("ignore", DeprecationWarning)
+            mesh = trimesh.load_scene(file).to_geometry()
         if not len(mesh.faces):
             raise ValueError("it has no triangles")
         # Without texture and colours, which keep vertices apart that are one.
@@ -90,8 +93,8 @@ def _read(file: str, link: str) -> Any:
         raise _unreadable(Path(file), link, error) from None
 
 
-def _unreadable(file: Path, link: str, error: Exception) -> InputError:
-    return InputError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
+def _unreadable(file: Path, link: str, error: Exception) -> FileError:
+    return FileError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:

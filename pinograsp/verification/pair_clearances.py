@@ -3,24 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from .certificate import PairClearance
 from .clearance import CAP, LinkPair, Placed, ShapePair, Walls, mesh_distance, shape_distance
 from .kinematics import Poses
 from .link_mesh import LinkMesh
-
-
-@dataclass(frozen=True)
-class PairClearance:
-    """The distance of a link to something else."""
-
-    name: str
-    """Kind of the clearance, as in a certificate."""
-    link: str
-    other: str
-    """Wall, obstacle, object or link."""
-    distance: float
-    """m, at most `CAP`; -inf where the two intersect and no exact depth is known."""
 
 
 def wall_clearances(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses) -> Iterator[PairClearance]:

@@ -1,16 +1,15 @@
-"""Figures of what a task prefers: approach direction and joint ranges."""
+"""Figures of a task's preferences: approach direction and joint ranges."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.scene import ApproachCone
+from ..descriptions.scene import ApproachCone, JointInterval
 from .certificate import Figure
-from .joints import Limits
 
 TOLERANCE = 1e-9
 """rad (m for sliding joints)."""
@@ -27,19 +26,21 @@ def approach_figure(approach: ApproachCone, T_world_object: Array, T_world_wrist
     return Figure("approach", angle, approach.angle + TOLERANCE, "rad", "at most", wrist)
 
 
-def ranges_figure(ranges: Limits, angles: dict[str, float], endless: Collection[str]) -> Figure:
+def ranges_figure(ranges: Iterable[JointInterval], angles: Mapping[str, float], endless: Collection[str]) -> Figure:
     """Return how far inside its range the least deep joint is, rad (m for sliding joints); negative outside.
 
+    A joint that is locked is 0 deep at its value.
+
     Args:
-        ranges: by joint.
+        ranges: and locks, each with its joint; one joint may have both.
         angles: of these joints at least.
         endless: joints of which whole turns do not count.
     """
-    depths: dict[str, float] = {}
-    for name, (low, high) in ranges.items():
+    depths: list[tuple[float, str]] = []
+    for _, name, low, high in ranges:
         off = angles[name] - 0.5 * (low + high)
         if name in endless:
             off = math.remainder(off, 2 * math.pi)
-        depths[name] = 0.5 * (high - low) - abs(off)
-    worst = min(depths, key=depths.__getitem__)
-    return Figure("joint ranges", depths[worst], -TOLERANCE, "rad", "at least", worst)
+        depths.append((0.5 * (high - low) - abs(off), name))
+    depth, worst = min(depths, key=lambda pair: pair[0])
+    return Figure("joint ranges", depth, -TOLERANCE, "rad", "at least", worst)

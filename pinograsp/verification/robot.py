@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
-from ..errors import InputError, close_names
+from ..errors import InputError, UnknownNameError, close_names
 from ..memo import remembered
 from .allowed_pairs import Sampling
 from .clearance import LinkPair
@@ -66,9 +66,11 @@ def _require_known(robot: RobotDescription, kinematics: Kinematics) -> None:
         for name in names:
             if name not in joints:
                 remedy = close_names(name, sorted(joints))
-                raise InputError(f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy)
+                raise UnknownNameError(
+                    f"the URDF has no movable joint {name!r}", file=robot.source, key=key, remedy=remedy
+                )
     links = [("arm.wrist", robot.arm.wrist), *(("pads", pad.link) for pad in robot.pads)]
     for key, link in links:
         if link not in kinematics.body:
             remedy = close_names(link, sorted(kinematics.body))
-            raise InputError(f"the URDF has no link {link!r}", file=robot.source, key=key, remedy=remedy)
+            raise UnknownNameError(f"the URDF has no link {link!r}", file=robot.source, key=key, remedy=remedy)

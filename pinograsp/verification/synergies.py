@@ -6,7 +6,7 @@ Written apart from `kinematics.robot`, which goes from synergies to joints.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +44,7 @@ class Synergies:
             given={s.label: s.limits for s in hand.synergies if s.joint is None and s.limits is not None},
         )
 
-    def values(self, angles: dict[str, float]) -> dict[str, float]:
+    def values(self, angles: Mapping[str, float]) -> dict[str, float]:
         """Return the synergies that come nearest to the angles."""
         moved = np.array([angles[name] for name in self.joints]) - self.rest
         return dict(zip(self.names, np.linalg.lstsq(self.matrix, moved, rcond=None)[0].tolist(), strict=True))
@@ -84,7 +84,7 @@ class Synergies:
                 found[name] = (low, high)
         return found
 
-    def figure(self, angles: dict[str, float]) -> Figure | None:
+    def figure(self, angles: Mapping[str, float]) -> Figure | None:
         """Return the largest deviation of a joint from what the synergies give, rad (m for sliding joints).
 
         None if every joint is a synergy of its own.

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..disk import write_whole
-from ..errors import InputError
+from ..disk import as_path, write_whole
+from ..errors import InputError, require_kind
+from ..results.configuration_check import ConfigurationCheck
 from ..results.grasp import Grasp
 from ..results.ranking import SCORE
 from ..results.result import Result
 from ..results.setup import Setup
 from . import camera
 from .approach import draw_approach
-from .comparison import grasp_list
+from .comparison import clearance_table, grasp_list
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
 from .page import grasp_page
@@ -31,11 +32,11 @@ ROOT = "pinograsp"
 """Node of the viewer's tree that holds the world."""
 
 
-def show(grasp: Grasp | Result, visualizer: Visualizer | None = None) -> Visualizer:
+def show(grasp: Grasp | Result | ConfigurationCheck, visualizer: Visualizer | None = None) -> Visualizer:
     """Draw a grasp in a meshcat viewer, in place of what was drawn there before.
 
     Args:
-        grasp: a grasp of a result; of a result, the best.
+        grasp: a grasp of a result; of a result, the best; a checked configuration, verified or not.
         visualizer: viewer to draw in; without it a server is started, which ends with the process.
 
     Returns:
@@ -51,13 +52,16 @@ def show(grasp: Grasp | Result, visualizer: Visualizer | None = None) -> Visuali
     return visualizer
 
 
-def write_html(grasp: Grasp | Result, file: Path | str, caption: str = "", by: str = SCORE) -> None:
+def write_html(
+    grasp: Grasp | Result | ConfigurationCheck, file: Path | str, caption: str = "", by: str = SCORE
+) -> None:
     """Write a grasp as one HTML file: the picture, to turn with the mouse, beside its figures.
 
     The file is complete or not there; an older one is replaced.
 
     Args:
-        grasp: a grasp of a result; of a result, the best, beside the list of the best that differ from each other.
+        grasp: a grasp of a result; of a result, the best, beside the list of the best that differ from each other;
+            a checked configuration, beside its distances, and what refutes it if it is not verified.
         file: where to write.
         caption: text below the heading.
         by: of a result, which is the best, as for `Result.ranked`.
@@ -65,21 +69,30 @@ def write_html(grasp: Grasp | Result, file: Path | str, caption: str = "", by: s
     Raises:
         InputError: as for `show`, there is no such criterion or figure, or the file cannot be written.
     """
-    listed = grasp_list(grasp, by) if isinstance(grasp, Result) and grasp.grasps else ""
+    listed = _listed(grasp, by)
     grasp, setup = _drawable(grasp, by)
     recorder = Recorder()
     _draw(grasp, setup, Visualizer(window=recorder))
-    write_whole(Path(file), grasp_page(recorder.commands, grasp, setup, caption, listed))
+    write_whole(as_path("file", file), grasp_page(recorder.commands, grasp, setup, caption, listed))
 
 
-def _drawable(grasp: Grasp | Result, by: str = SCORE) -> tuple[Grasp, Setup]:
+def _listed(grasp: Grasp | Result | ConfigurationCheck, by: str) -> str:
+    """Return the table that stands beside the figures of what is drawn."""
+    if isinstance(grasp, Result) and grasp.grasps:
+        return grasp_list(grasp, by)
+    return clearance_table(grasp) if isinstance(grasp, ConfigurationCheck) else ""
+
+
+def _drawable(grasp: Grasp | Result | ConfigurationCheck, by: str = SCORE) -> tuple[Grasp, Setup]:
     """Return the grasp to draw, and where it belongs."""
-    chosen = next(iter(grasp.ranked(by)), None) if isinstance(grasp, Result) else grasp
-    if chosen is None:
-        raise InputError("the result has no grasp to draw")
-    if chosen.setup is None:
-        raise InputError("the grasp belongs to no result: its robot and its scene are not known")
-    return chosen, chosen.setup
+    require_kind("grasp", grasp, Grasp, Result, ConfigurationCheck)
+    if isinstance(grasp, Result):
+        chosen = next(iter(grasp.ranked(by)), None)
+        if chosen is None:
+            raise InputError("the result has no grasp to draw")
+    else:
+        chosen = grasp.grasp if isinstance(grasp, ConfigurationCheck) else grasp
+    return chosen, chosen.required_setup
 
 
 def _draw(grasp: Grasp, setup: Setup, visualizer: Visualizer) -> None:

@@ -1,11 +1,13 @@
-"""Tables of the panel that compare grasps: the list of the best that differ, and the criteria of one grasp."""
+"""Tables of the panel besides a grasp's figures: the best that differ, criteria, distances pair by pair."""
 
 from __future__ import annotations
 
 from html import escape
 
+from ..results.configuration_check import ConfigurationCheck
 from ..results.criteria import CRITERIA, numbers_of
 from ..results.grasp import Grasp
+from ..results.html import clearance_cells, columns, grasp_rows
 from ..results.ranking import SCORE
 from ..results.result import Result
 
@@ -21,15 +23,9 @@ def grasp_list(result: Result, by: str = SCORE, most: int = 10) -> str:
     Raises:
         InputError: there is no such criterion or figure.
     """
-    columns = [criterion for criterion in CRITERIA if criterion.heading]
-    numbers = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
-    shown = result.different(most, by)
-    headings = "".join(f"<th>{escape(c.heading)}<small>{escape(c.shown_unit)}</small></th>" for c in columns)
-    rows = []
-    for grasp, starts, _ in shown:
-        read = numbers_of(grasp)
-        cells = (str(numbers[id(grasp)]), f"{starts}x", *(criterion.cell(read) for criterion in columns))
-        rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
+    headings = "".join(f"<th>{escape(c.heading)}<small>{escape(c.shown_unit)}</small></th>" for c in columns())
+    shown = grasp_rows(result, by, most)
+    rows = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in shown]
     order = "" if by == SCORE else f" by {by}"
     caption = f"{len(shown)} different of {len(result.grasps)} distinct grasps{order}; the first is drawn"
     return (
@@ -44,8 +40,16 @@ def criteria_table(grasp: Grasp) -> str:
     rows = []
     for criterion in CRITERIA:
         if criterion.name != "U":
-            value = criterion.cell(read)
-            shown = value if value == "-" else f"{value} {criterion.shown_unit}"
             name = f"{escape(criterion.name)}<small>{escape(criterion.meaning)}</small>"
-            rows.append(f"<tr><td>{name}</td><td>{escape(shown)}</td></tr>")
+            rows.append(f"<tr><td>{name}</td><td>{escape(criterion.shown(read))}</td></tr>")
     return f"<table><caption>Compared by</caption>{''.join(rows)}</table>"
+
+
+def clearance_table(check: ConfigurationCheck, most: int = 10) -> str:
+    """Return the table of the least distances of a checked configuration, at most so many of them."""
+    rows = []
+    for name, link, other, distance in map(clearance_cells, check.clearances[:most]):
+        pair = f"{escape(name)}<small>{escape(link)} - {escape(other)}</small>"
+        rows.append(f"<tr><td>{pair}</td><td>{escape(distance)}</td></tr>")
+    more = f", the least {most} of {len(check.clearances)}" if len(check.clearances) > most else ""
+    return f"<table><caption>Distances below 50 mm{more}</caption>{''.join(rows)}</table>"

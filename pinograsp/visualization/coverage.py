@@ -12,12 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
-from ..disk import write_whole
+from ..disk import as_path, write_whole
 from . import camera, colors
 from .page import legend, page, row, view_button
 from .scene import draw_enclosure
@@ -91,7 +90,7 @@ def coverage_png(coverage: Coverage, file: Path | str, title: str) -> None:
 
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
-    write_whole(Path(file), picture.getvalue())
+    write_whole(as_path("file", file), picture.getvalue())
 
 
 def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
@@ -109,7 +108,7 @@ def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
     """
     recorder = Recorder()
     view = draw_coverage(Visualizer(window=recorder), coverage)
-    write_whole(Path(file), page(title, _panel(coverage, title), recorder.commands, view))
+    write_whole(as_path("file", file), page(title, _panel(coverage, title), recorder.commands, view))
 
 
 def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camera.View]:
@@ -182,7 +181,7 @@ def scale_colors() -> Array:
     return np.asarray(colormaps["viridis"](np.linspace(0, 1, SECTORS)), dtype=np.float64)[:, :3]
 
 
-def _map(axes: Axes, directions: NDArray[np.int64], low: Array, high: Array, scale: ScalarMappable) -> None:
+def _map(axes: Axes, directions: Integers, low: Array, high: Array, scale: ScalarMappable) -> None:
     """Draw approach directions, shape (n0, n1), on a plane from corner `low` to `high`, m, shapes (2,)."""
     axes.imshow(
         np.ma.masked_equal(directions.T, 0),

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..descriptions.patches import LinePatch, Patch
 from ..geometry.patches import patch_point
 from . import colors
@@ -33,7 +33,7 @@ def draw_pad(node: Visualizer, patch: Patch) -> None:
         draw(node[name], piece, Look(colors.NORMAL))
 
 
-def surface(patch: Patch) -> tuple[Array, np.ndarray[tuple[int, int], np.dtype[np.int64]]]:
+def surface(patch: Patch) -> tuple[Array, Integers]:
     """Return vertices, m, shape (n, 3), and triangles, shape (m, 3), of a patch in its frame, seen from both sides."""
     first = np.linspace(*patch.parameters[0], STEPS + 1)
     if isinstance(patch, LinePatch):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-import math
 import struct
 from html import escape
 from pathlib import Path
@@ -17,7 +16,6 @@ import umsgpack  # type: ignore[import-untyped]
 
 from ..results.grasp import Contact, Grasp
 from ..results.setup import Setup
-from ..results.units import shown_in
 from ..verification.certificate import Certificate, Figure
 from . import colors
 from .camera import View, close_up, whole_box, y_up
@@ -46,20 +44,21 @@ def page(title: str, panel: str, commands: list[dict[str, Any]], views: dict[str
 
 
 def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, caption: str, listed: str = "") -> str:
-    """Return the page of a grasp.
+    """Return the page of a grasp; one that is not verified says so, and what refutes it, above everything else.
 
     Args:
         commands: meshcat commands, in the order in which they are to be drawn.
         grasp: the grasp that they draw.
         setup: robot, scene and task that it belongs to.
         caption: text below the heading.
-        listed: HTML of the list of grasps that it belongs to.
+        listed: HTML of what is to stand above its figures.
     """
     scene, task = setup.scene, setup.scene.task(setup.task)
     panel = (
-        "<h1>Grasp</h1>",
+        f"<h1>{'Configuration' if grasp.start is None else 'Grasp'}</h1>",
         f"<p>{escape(setup.robot.name)} in {escape(scene.name)}, task {escape(setup.task)}</p>",
         f"<p>{escape(caption)}</p>" if caption else "",
+        _refutation(grasp.certificate),
         view_button("whole-box", "Whole box") + view_button("close-up", "Close-up"),
         listed,
         f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
@@ -113,9 +112,20 @@ def _costs(grasp: Grasp) -> str:
 
 def _contact(contact: Contact) -> str:
     force = contact.force
-    components = ", ".join(f"{component:.2f}" for component in force)
-    spin = f", spin {1000 * contact.spin_torque:.1f} N mm" if contact.spin_torque else ""
+    components = ", ".join(f"{component:z.2f}" for component in force)
+    spin = f", spin {1000 * contact.spin_torque:z.1f} N mm" if contact.spin_torque else ""
     return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
+
+
+def _refutation(certificate: Certificate) -> str:
+    if certificate.verified:
+        return ""
+    reasons = "".join(
+        f"<li>{escape(f'{figure.name}: {figure.shown_value}, not {figure.shown_limit}')}"
+        f"<small>{escape(figure.where)}</small></li>"
+        for figure in certificate.refuted_by
+    )
+    return f'<div class="refuted"><b>Not verified.</b> Refuted by<ul>{reasons}</ul></div>'
 
 
 def _certificate(certificate: Certificate) -> str:
@@ -125,12 +135,9 @@ def _certificate(certificate: Certificate) -> str:
 
 
 def _figure(figure: Figure) -> str:
-    sign = "≥" if figure.sense == "at least" else "≤"
-    scale, unit = shown_in(figure.unit)
-    limit = f"{sign} {scale * figure.limit:.2g}" if math.isfinite(figure.limit) else ""
     where = f"<small>{escape(figure.where)}</small>" if figure.where else ""
     state = "holds" if figure.holds else "fails"
-    cells = "".join(f"<td>{escape(cell)}</td>" for cell in (f"{scale * figure.value:.3g} {unit}", limit))
+    cells = "".join(f"<td>{escape(cell)}</td>" for cell in (figure.shown_value, figure.shown_limit))
     return f'<tr class="{state}"><td>{escape(figure.name)}{where}</td>{cells}</tr>'
 
 

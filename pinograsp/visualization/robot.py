@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -15,7 +16,7 @@ from ..errors import InputError
 from .viewer import Visualizer
 
 
-def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: dict[str, float], mounting: Array) -> None:
+def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: Mapping[str, float], mounting: Array) -> None:
     """Draw the robot below the node `robot`.
 
     Args:
@@ -34,7 +35,7 @@ def draw_urdf(
     viewer: Visualizer,
     xml: str,
     robot: RobotDescription,
-    joints: dict[str, float],
+    joints: Mapping[str, float],
     mounting: Array,
 ) -> dict[str, tuple[str, Array]]:
     """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
@@ -73,7 +74,7 @@ def draw_urdf(
     }
 
 
-def configuration(model: pin.Model, joints: dict[str, float], robot: RobotDescription) -> Array:
+def configuration(model: pin.Model, joints: Mapping[str, float], robot: RobotDescription) -> Array:
     """Return Pinocchio's configuration, shape (nq,): (cos, sin) for a continuous joint, else the value.
 
     Raises:

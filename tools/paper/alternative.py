@@ -135,7 +135,7 @@ def _tried(
     left = Counter(line for line, *_ in items)
     stages, best_U, best_line = Counter[Stage](dict.fromkeys(STAGES, 0)), None, len(lines)
     prepare = partial(_prepare, robot, scene, case.task, lines, seeds, began + seconds)
-    printed = Lines("hand poses")
+    lines_printed = Lines()
     with own_workers(session.workers) as pool, closing(pool.run(prepare, items, chunk=4)) as outcomes:
         for line, stage, U in outcomes:
             if stage is None:  # the time is over
@@ -144,7 +144,7 @@ def _tried(
             left[line] -= 1
             if U is not None:
                 best_U, best_line = U if best_U is None else min(best_U, U), min(best_line, line)
-            printed(sum(stages.values()), len(items))
+            lines_printed(pinograsp.Progress("hand poses", sum(stages.values()), len(items)))
             if best_line < len(lines) and not any(left[i] for i in range(best_line + 1)):
                 break
     tried = sum(1 for i in range(len(lines)) if left[i] < len(poses))

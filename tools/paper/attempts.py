@@ -50,8 +50,7 @@ def by_options(options: SolverOptions) -> Method:
 def postures_of(robot: pinograsp.Robot, scene: Scene, task: str, count: int, seed: int) -> np.ndarray:
     """Return the starts that a plan of as many starts has, shape (count, l + s)."""
     model = TaskModel(robot, scene, task)
-    rows = Lines("rows of the start database")
-    with cached_database(robot, scene, model.task.margin, progress=lambda p: rows(p.rows, p.size)) as database:
+    with cached_database(robot, scene, model.task.margin, progress=Lines()) as database:
         found: np.ndarray = starts_near(database, model, count, seed)
     return found
 
@@ -66,13 +65,14 @@ def attempt_all(
     label: str,
 ) -> list[Attempt]:
     """Solve every start and judge what comes of it, sorted by start."""
-    lines, done = Lines(label), []
+    lines, done = Lines(), []
     prepare, items = partial(attempts_of, TaskModel(robot, scene, task), method), list(enumerate(postures))
     with own_workers(workers) as pool:
         for attempt in pool.run(prepare, items, chunk=2):
             solution, U = attempt.solution, attempt.grasp.cost.U if attempt.grasp else None
             done.append(Attempt(solution.start, U, solution.evaluations, solution.seconds))
-            lines(len(done), len(postures), f"{sum(a.U is not None for a in done)} verified")
+            verified = {"verified": sum(a.U is not None for a in done)}
+            lines(pinograsp.Progress(label, len(done), len(postures), verified))
     return sorted(done, key=lambda a: a.start)
 
 

@@ -60,7 +60,6 @@ def run(session: Session, robot: pinograsp.Robot, scene: Scene, case: Case, name
 
     def compute() -> pinograsp.Result:
         print(f"{label}: {starts} starts", flush=True)
-        starts_done, rows_done = Lines("starts"), Lines("rows of the start database")
         return pinograsp.plan(
             robot,
             scene,
@@ -69,8 +68,7 @@ def run(session: Session, robot: pinograsp.Robot, scene: Scene, case: Case, name
             workers=session.workers,
             seed=session.seed,
             options=options,
-            progress=lambda p: starts_done(p.done, p.total, f"{p.verified} verified, best U {p.best_U:.6g}"),
-            build_progress=lambda p: rows_done(p.rows, p.size),
+            progress=Lines(),
         )
 
     return session.store.result(label, key, compute)

@@ -95,18 +95,17 @@ class Store:
 
 
 class Lines:
-    """Prints how far a piece of work is: at most a line every ten seconds, and its end."""
+    """Prints how far a piece of work is: at most a line every ten seconds, and the end of each stage."""
 
-    def __init__(self, label: str) -> None:
-        self._label = label
+    def __init__(self) -> None:
         self._printed = time.monotonic()
 
-    def __call__(self, done: float, total: float, note: str = "") -> None:
-        """Say that `done` of `total` is done."""
-        if done < total and time.monotonic() - self._printed < 10.0:
+    def __call__(self, progress: pinograsp.Progress) -> None:
+        """Say how far it is."""
+        if progress.done != progress.total and time.monotonic() - self._printed < 10.0:
             return
         self._printed = time.monotonic()
-        print(f"  {self._label}: {done:,.0f} of {total:,.0f}{', ' * bool(note)}{note}", flush=True)
+        print(f"  {progress}", flush=True)
 
 
 def _commit() -> str:

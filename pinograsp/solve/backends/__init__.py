@@ -1,6 +1,6 @@
 """Solvers behind one interface: a backend is one file, and one line here."""
 
-from ...errors import InputError, close_names
+from ...errors import UnknownNameError, close_names
 from .backend import Backend, BudgetSpentError, Limits, Program, Reason, Stop
 from .nlopt import NLopt
 
@@ -17,8 +17,8 @@ def backend_of(name: str) -> Backend:
     """Return the backend of a name.
 
     Raises:
-        InputError: there is none of this name.
+        UnknownNameError: there is none of this name.
     """
-    if name not in BACKENDS:
-        raise InputError(f"no solver {name!r}", key="algorithm", remedy=close_names(name, list(BACKENDS)))
+    if not isinstance(name, str) or name not in BACKENDS:
+        raise UnknownNameError(f"no solver {name!r}", key="algorithm", remedy=close_names(name, BACKENDS))
     return BACKENDS[name]

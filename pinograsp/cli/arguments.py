@@ -1,0 +1,126 @@
+"""Arguments and options that several commands have, and how a command is registered."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import typer
+
+from ..errors import InputError
+from . import completion
+from .terminal import fail
+
+WRONG_USE, INTERRUPTED = 2, 130
+DEFAULT_ROBOT = "gen3_2f85"
+
+Scene = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="Scene file, or name of a shipped scene.", autocompletion=completion.scenes),
+]
+Task = Annotated[str, typer.Option(help="Name of a task of the scene.", autocompletion=completion.tasks)]
+Robot = Annotated[
+    str, typer.Option(help="Robot file or folder, or name of a shipped robot.", autocompletion=completion.robots)
+]
+RobotFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="ROBOT", help="Robot file or folder, or name of a shipped robot.", autocompletion=completion.robots
+    ),
+]
+ObjectPose = Annotated[
+    tuple[str, float, float, float, float, float, float] | None,
+    typer.Option(
+        metavar="NAME X Y Z ROLL PITCH YAW",
+        help="Put an object of the scene elsewhere: position in the world, m, and angles about its fixed axes, rad.",
+        autocompletion=completion.objects,
+    ),
+]
+Locks = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT=VALUE", help="Hold an arm joint or a synergy at a value, rad (m); can be repeated."),
+]
+ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="Result: the JSON file of a plan.")]
+GraspNumber = Annotated[int, typer.Option(metavar="NUMBER", help="Number of the grasp in the file's order, from 1.")]
+Workers = Annotated[int | None, typer.Option(min=1, help="Processes.", show_default="one for each core")]
+Out = Annotated[Path, typer.Option(metavar="FOLDER", help="Folder of the files that are written.")]
+NoOut = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="FOLDER", help="Folder to write into.", show_default="nothing is written"),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only; files and exit code stay.")]
+
+Function = TypeVar("Function", bound=Callable[..., None])
+
+
+def command(app: typer.Typer, name: str, *examples: str) -> Callable[[Function], Function]:
+    """Return a decorator that makes a function a command.
+
+    Args:
+        app: the command, or the group of commands, that it belongs to.
+        name: of the command.
+        examples: lines of a shell that its help ends with.
+    """
+    shown = "\n".join(["\b", "Examples:", *(f"  {example}" for example in examples)])
+
+    def register(function: Function) -> Function:
+        @functools.wraps(function)
+        def interruptible(*arguments: Any, **options: Any) -> None:
+            try:
+                function(*arguments, **options)
+            except KeyboardInterrupt:
+                fail("interrupted")
+                raise typer.Exit(INTERRUPTED) from None
+
+        app.command(name, epilog=shown)(interruptible)
+        return function
+
+    return register
+
+
+def group() -> typer.Typer:
+    """Return a group of commands, or the whole command line."""
+    return typer.Typer(
+        rich_markup_mode=None,  # plain text: no frames that leave words no room, and no time to load Rich
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+
+def help_alone(context: typer.Context) -> None:
+    """Print the help of a group of commands that was given no command, as the wrong use that it is."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help(), err=True)
+        raise typer.Exit(WRONG_USE)
+
+
+def named_values(texts: Sequence[str], option: str) -> dict[str, float]:
+    """Return the numbers of texts such as `elbow=0.5`.
+
+    Args:
+        texts: as given.
+        option: named in errors.
+
+    Raises:
+        InputError: a text is not of this kind, or its value is no number.
+    """
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not (name and equals and math.isfinite(number)):
+            raise InputError(f"{text!r} is not JOINT=VALUE", key=option, remedy="Give, for example, elbow=0.5")
+        found[name] = number
+    return found
+
+
+def names_of(texts: Sequence[str]) -> list[str]:
+    """Return names that are given one after the other or with commas between them."""
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]

@@ -1,0 +1,138 @@
+"""The command line of own configurations: `pinograsp check`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import pinograsp
+
+from ..disk import reason_of, write_whole
+from ..errors import FileError, InputError
+from . import arguments
+from .arguments import command, named_values, names_of
+from .folders import file_name, make_folder, save
+from .inputs import read_robot, read_scene
+from .terminal import Terminal
+
+NOT_VERIFIED = 1
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(
+        app,
+        "check",
+        "pinograsp check glovebox --task sphere --joints posture.json",
+        "pinograsp check glovebox --task sphere --joints posture.json \\",
+        "    --joints elbow=0.5 --out out",
+    )(check)
+
+
+def check(
+    scene: arguments.Scene,
+    task: arguments.Task,
+    joints: Annotated[
+        list[str],
+        typer.Option(
+            metavar="FILE|JOINT=VALUE",
+            help="Arm joints and synergies, rad (m): a JSON file of values by name, or values; can be repeated, later "
+            "values count.",
+        ),
+    ],
+    robot: arguments.Robot = arguments.DEFAULT_ROBOT,
+    lock: arguments.Locks = None,
+    object_pose: arguments.ObjectPose = None,
+    out: arguments.NoOut = None,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
+) -> None:
+    """Check a configuration of your own.
+
+    The independent check gives every figure of a certificate, and the distances below 50 mm pair by pair. Pads and
+    object are taken to touch where they are nearest, with the best contact forces there. With --out the check is
+    written as <scene>_<task>_<robot>_check.json and .html.
+
+    Exit codes: 0 it is a verified grasp, 1 it is not.
+    """
+    terminal = Terminal(as_json, quiet)
+    described, values = read_scene(scene, task, object_pose, lock), read_joints(joints)
+    if out is not None:
+        make_folder(out)
+    with terminal.progress() as progress:
+        model = read_robot(robot)
+        name = model.description.name
+        with pinograsp.Planner(model, described, workers=1, progress=progress) as planner:
+            found = _checked(planner, values, task)
+    saved = [] if out is None else list(_saved(found, out, (described.name, task, name)))
+    terminal.find(found.to_json, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
+    for line in saved:
+        terminal.say(line)
+    if not found.verified:
+        raise typer.Exit(NOT_VERIFIED)
+
+
+def _checked(planner: pinograsp.Planner, values: dict[str, float], task: str) -> pinograsp.ConfigurationCheck:
+    try:
+        return planner.check(values, task)
+    except InputError as error:
+        if error.key != "q":
+            raise
+        raise InputError(error.problem, key="--joints", remedy=error.remedy) from None
+
+
+def read_joints(texts: Sequence[str]) -> dict[str, float]:
+    """Return values by name from JSON files and from texts such as `elbow=0.5`.
+
+    Raises:
+        InputError: a file cannot be read or does not hold numbers by name, or a text cannot be understood.
+    """
+    found: dict[str, float] = {}
+    for text in names_of(texts):
+        found |= named_values([text], "--joints") if "=" in text else _of_file(Path(text))
+    return found
+
+
+def _of_file(file: Path) -> dict[str, float]:
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileError(
+            f"cannot be read: {reason_of(error)}", file=file, key="--joints", remedy="Check the path"
+        ) from None
+    except ValueError as error:
+        raise FileError(f"is not valid JSON: {error}", file=file, key="--joints") from None
+    if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
+        content = content["joints"]
+    if not isinstance(content, dict):
+        remedy = 'Write, for example, {"shoulder": 0.5, "elbow": -0.3}'
+        raise InputError("values by the names of joints are wanted", file=file, key="--joints", remedy=remedy)
+    for name, value in content.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"a number is wanted, not {json.dumps(value)}", file=file, key=name)
+    return {name: float(value) for name, value in content.items()}
+
+
+def _saved(found: pinograsp.ConfigurationCheck, folder: Path, names: tuple[str, str, str]) -> Iterator[str]:
+
+    file = folder / file_name(*names, "check", suffix="json")
+    yield save(file, lambda: write_whole(file, json.dumps(found.to_json(), indent=1, allow_nan=False) + "\n"))
+    page = file.with_suffix(".html")
+    yield save(page, lambda: pinograsp.visualization.write_html(found, page))
+
+
+def _report(found: pinograsp.ConfigurationCheck, where: str, terminal: Terminal) -> None:
+    from ..results.table import clearances_table, figures_table
+
+    terminal.table(figures_table(found.certificate.figures, f"certificate: {where}"))
+    if found.clearances:
+        terminal.say("")
+        terminal.table(clearances_table(found.clearances, "distances below 50 mm"))
+    terminal.say("")
+    refuted = found.certificate.refuted_by
+    verdict = "verified" if found.verified else f"not verified: {', '.join(figure.name for figure in refuted)}"
+    terminal.say(typer.style(verdict, bold=True, fg="green" if found.verified else "red"))

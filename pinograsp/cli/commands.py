@@ -1,0 +1,63 @@
+"""The whole command line, and what becomes of errors: one line each, and an exit code."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import pinograsp
+
+from ..errors import PinograspError
+from . import assess, check, database, hold, listing, plan, rank, robot, show, verify
+from .arguments import INTERRUPTED, WRONG_USE, group, help_alone
+from .terminal import fail, spelled_streams
+
+app = group()
+
+
+@app.callback(invoke_without_command=True)
+def pinograsp_command(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
+
+    Exit codes: 0 grasps were found, everything stands or holds; 1 none was found, something differs or does not
+    hold; 2 the input cannot be used; 130 interrupted with Ctrl-C.
+    """
+    if version:
+        typer.echo(f"pinograsp {pinograsp.__version__}")
+        raise typer.Exit
+    help_alone(context)
+
+
+for module in (plan, check, rank, show, verify, assess, hold, robot, database, listing):
+    module.register(app)
+
+
+def main() -> None:
+    """Run the command line and end the process; errors that the user can mend are one line, without a traceback."""
+    with spelled_streams():
+        code = _run()
+    raise SystemExit(code)
+
+
+def _run() -> int:
+    try:
+        return app(prog_name="pinograsp", standalone_mode=False) or 0
+    except typer.TyperException as error:  # wrong use
+        fail(_usage(error))
+    except PinograspError as error:
+        fail(str(error))
+    except KeyboardInterrupt:
+        fail("interrupted")
+        return INTERRUPTED
+    return WRONG_USE
+
+
+def _usage(error: typer.TyperException) -> str:
+    """Return the line of a wrong use, with the command whose help says more."""
+    context = getattr(error, "ctx", None)
+    said = " ".join(error.format_message().split()).rstrip(".")
+    return f"{said[:1].lower()}{said[1:]}. See {context.command_path if context else 'pinograsp'} --help"

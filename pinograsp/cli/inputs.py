@@ -1,0 +1,63 @@
+"""What commands read: scenes with what the command line changes in them, robots, results and their grasps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pinograsp
+
+from ..errors import InputError
+from .arguments import named_values
+
+
+def read_scene(
+    name: str,
+    task: str,
+    object_pose: tuple[str, float, float, float, float, float, float] | None = None,
+    lock: Sequence[str] | None = None,
+) -> pinograsp.Scene:
+    """Return a scene whose object stands and whose joints are locked as the command line says.
+
+    Args:
+        name: file or name of a shipped scene.
+        task: a task that it must have.
+        object_pose: name of an object, its position, m, and its roll, pitch and yaw, rad.
+        lock: texts such as `elbow=0.5`, rad (m).
+
+    Raises:
+        InputError: the scene cannot be read, has no such task or object, or a text cannot be understood.
+    """
+    scene = pinograsp.load_scene(name)
+    its = scene.task(task)
+    if object_pose is not None:
+        moved, x, y, z, *rpy = object_pose
+        scene = scene.with_object_pose(moved, pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2])))
+    if lock:
+        scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
+    return scene
+
+
+def read_robot(name: str) -> pinograsp.Robot:
+    """Return a robot; a robot file that cannot be used is found before any library of robots is loaded.
+
+    Raises:
+        InputError: a file is missing or wrong.
+    """
+    from ..descriptions import load_robot_description
+
+    description = load_robot_description(name)
+    return pinograsp.Robot(description)
+
+
+def grasp_of(result: pinograsp.Result, number: int, file: Path) -> pinograsp.Grasp:
+    """Return a grasp by its number in the file, from 1.
+
+    Raises:
+        InputError: there is none of this number.
+    """
+    count = len(result.grasps)
+    if not 1 <= number <= count:
+        there = f"there are {count}, numbered from 1" if count else "there is none"
+        raise InputError(f"no grasp {number}: {there}", file=file, key="--grasp")
+    return result.grasps[number - 1]

@@ -1,0 +1,34 @@
+"""Orders of grasps that the user asks for."""
+
+from __future__ import annotations
+
+import math
+
+import pinograsp
+
+from ..errors import UnknownNameError, close_names
+
+
+def require_order(name: str) -> None:
+    """Refuse what grasps cannot be ordered by, before there are any.
+
+    Raises:
+        UnknownNameError: there is no such criterion.
+    """
+    from ..results.criteria import ALIASES, BY_NAME
+    from ..results.ranking import SCORE
+
+    known = [SCORE, *BY_NAME, *ALIASES]
+    if name not in known:
+        raise UnknownNameError(f"no order is called {name!r}", key="--rank-by", remedy=close_names(name, known))
+
+
+def is_measured(by: str, result: pinograsp.Result) -> bool:
+    """Return whether any grasp has what they are to be ordered by."""
+    from ..results.criteria import criterion_of, numbers_of
+    from ..results.ranking import SCORE
+
+    if by == SCORE:
+        return True
+    values = criterion_of(by, result.grasps).values([numbers_of(grasp) for grasp in result.grasps])
+    return not all(map(math.isnan, values))

@@ -1,0 +1,119 @@
+"""The command line of orders: `pinograsp rank`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import pinograsp
+
+from . import arguments, completion
+from .arguments import command, names_of
+from .orders import is_measured
+from .terminal import Terminal
+
+NONE = 1
+SHOWN = 10
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    command(
+        app,
+        "rank",
+        "pinograsp rank result.json --by clearance",
+        "pinograsp rank result.json --pareto U,clearance",
+        "pinograsp rank result.json --by 'joint reserve' --all --json",
+    )(rank)
+
+
+def rank(
+    file: arguments.ResultFile,
+    by: Annotated[
+        str,
+        typer.Option(
+            metavar="CRITERION",
+            help="score, U, Q_force, Q_torque, clearance, reserve, manipulability, or a figure of the certificates.",
+            autocompletion=completion.criteria,
+        ),
+    ] = "score",
+    pareto: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="CRITERION,...",
+            help="Only grasps that no other beats in all of these criteria.",
+            autocompletion=completion.criteria,
+        ),
+    ] = None,
+    different: Annotated[
+        int, typer.Option(min=1, help="How many grasps that differ in hand pose or arm posture.")
+    ] = SHOWN,
+    every: Annotated[bool, typer.Option("--all", help="Every grasp, not only those that differ.")] = False,
+    as_json: arguments.Json = False,
+    quiet: arguments.Quiet = False,
+) -> None:
+    """List the grasps of a result in another order.
+
+    The best comes first. Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15
+    degrees apart, or an arm joint more than 30 degrees; each stands for those that are like it.
+
+    Exit codes: 0 there are grasps, 1 there are none.
+    """
+    terminal = Terminal(as_json, quiet)
+    result = pinograsp.read_json(file)
+    criteria = names_of(pareto or ())
+    listed = _listed(result, by, criteria, None if every else different)
+    terminal.find(
+        lambda: _document(result, by, criteria, listed), lambda: _report(result, by, criteria, listed, terminal)
+    )
+    if not listed:
+        raise typer.Exit(NONE)
+
+
+def _listed(
+    result: pinograsp.Result, by: str, criteria: list[str], most: int | None
+) -> tuple[pinograsp.Different, ...]:
+    """Return grasps in their order; where all are wanted, each stands for itself."""
+    from ..results.different import different
+
+    ranked = result.ranked(by)
+    if criteria:
+        front = {id(grasp) for grasp in result.pareto(criteria)}
+        ranked = tuple(grasp for grasp in ranked if id(grasp) in front)
+    if most is None:
+        return tuple(pinograsp.Different(grasp, grasp.count, 1) for grasp in ranked)
+    return different(ranked, most)
+
+
+def _document(
+    result: pinograsp.Result, by: str, criteria: list[str], listed: tuple[pinograsp.Different, ...]
+) -> dict[str, object]:
+    number_of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
+    shown = [
+        {"number": number_of[id(grasp)], "starts": starts, "grasps": grasps, "grasp": grasp.to_json()}
+        for grasp, starts, grasps in listed
+    ]
+    names = {"robot": result.robot, "scene": result.scene, "task": result.task}
+    return {**names, "by": by, "pareto": criteria, "different": shown}
+
+
+def _report(
+    result: pinograsp.Result,
+    by: str,
+    criteria: list[str],
+    listed: tuple[pinograsp.Different, ...],
+    terminal: Terminal,
+) -> None:
+    from ..results.table import list_table
+
+    if not listed:
+        terminal.say("The result has no grasp.")
+        return
+    if not is_measured(by, result):
+        terminal.warn(f"no grasp has {by}; the order is that of score")
+    title = f"{result.task}: {len(listed)} of {len(result.grasps)} distinct grasps, {result.robot} in {result.scene}"
+    title += f", by {by}" + (f", front of {', '.join(criteria)}" if criteria else "")
+    terminal.table(
+        list_table(result, [(grasp, starts) for grasp, starts, _ in listed], title, [by, *criteria], terminal.width)
+    )

@@ -1,0 +1,114 @@
+"""What a command writes: its finding on standard output, progress and warnings on standard error, and files."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from ..disk import reason_of
+from ..errors import FileError
+from .reporters import reporter
+
+if TYPE_CHECKING:
+    from ..progress import Report
+    from ..tables import Table
+
+
+class Terminal:
+    """The terminal of one command.
+
+    Args:
+        as_json: the finding is one JSON document, and nothing else is on standard output.
+        quiet: nothing is written but errors, files and the JSON document if that is asked for.
+    """
+
+    def __init__(self, as_json: bool, quiet: bool) -> None:
+        self._as_json, self._quiet = as_json, quiet
+
+    @property
+    def width(self) -> int:
+        """Characters in a line; 80 where that is not known."""
+        return shutil.get_terminal_size().columns
+
+    def find(self, document: Callable[[], Mapping[str, Any]], lines: Callable[[], None]) -> None:
+        """Give the finding: as JSON the document, otherwise what `lines` says."""
+        if self._as_json:
+            _write(json.dumps(document(), indent=1, allow_nan=False))
+        elif not self._quiet:
+            lines()
+
+    def say(self, line: str) -> None:
+        """Write a line, in one piece however long it is: part of a finding, or what became of a file."""
+        if not self._quiet:
+            _write(line, error=self._as_json)
+
+    def table(self, table: Table) -> None:
+        """Write a table as wide as the terminal, or as wide as its numbers need."""
+        if not self._quiet:
+            _write(table.drawn(self.width, color=_is_terminal(sys.stdout) and "NO_COLOR" not in os.environ))
+
+    def warn(self, line: str) -> None:
+        """Write a warning."""
+        if not self._quiet:
+            _write(f"{typer.style('warning:', fg='yellow')} {line}", error=True)
+
+    def progress(self) -> contextlib.AbstractContextManager[Report]:
+        """Return what shows progress while its block goes on."""
+        return reporter(quiet=self._quiet, terminal=_is_terminal(sys.stderr))
+
+
+def fail(line: str) -> None:
+    """Write the line of an error, where there is anything to write it to."""
+    with contextlib.suppress(FileError):
+        _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
+
+
+@contextmanager
+def spelled_streams() -> Iterator[None]:
+    """Have everything written in the block, whatever encoding and reader standard output and error have."""
+    import codecs
+
+    from .spelling import spelled
+
+    codecs.register_error(spelled.__name__, spelled)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors=spelled.__name__)
+    try:
+        yield
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                with _unread(stream):
+                    stream.flush()
+
+
+def _write(text: str, error: bool = False) -> None:
+    stream = sys.stderr if error else sys.stdout
+    try:
+        with _unread(stream):
+            typer.echo(text, file=stream)
+    except OSError as problem:
+        name = "standard error" if error else "standard output"
+        raise FileError(f"cannot be written: {reason_of(problem)}", key=name) from None
+
+
+@contextmanager
+def _unread(stream: Any) -> Iterator[None]:
+    """Go on without a reader if there is none any more: of `pinograsp plan ... | head` the files are written, too."""
+    try:
+        yield
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _is_terminal(stream: Any) -> bool:
+    return stream is not None and bool(stream.isatty())

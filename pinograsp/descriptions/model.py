@@ -1,0 +1,73 @@
+"""Base of what robot and scene files say: validated, immutable parts, made from files or in Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from .problems import input_error
+
+
+class Frozen(BaseModel):
+    """A part of a file, or of what is made in Python: immutable; a key that it does not know is an error.
+
+    Raises:
+        InputError: (where one is made in Python) a value is wrong; the message names the key.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)  # what is never made costs nothing
+
+    def __init__(self, /, **data: Any) -> None:
+        try:
+            super().__init__(**data)
+        except ValidationError as error:
+            raise input_error(error, type(self), data) from None
+
+    # So pydantic does not call it for the parts of a whole, whose errors then name the path from the whole.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def __eq__(self, other: object) -> bool:
+        """Whether another one of the same class says the same; what was computed from the fields does not count."""
+        if not isinstance(other, Frozen) or type(other) is not type(self):
+            return NotImplemented
+        return self.fields() == other.fields()
+
+    def fields(self) -> dict[str, Any]:
+        """Return the values of the fields by name, without what was computed from them."""
+        return {name: getattr(self, name) for name in type(self).model_fields}
+
+    # What was computed from the fields is neither copied, since a copy may be changed, nor pickled: arrays come back
+    # from there writable.
+
+    def __copy__(self) -> Self:
+        return _only_fields(super().__copy__())
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return _only_fields(super().__deepcopy__(memo))
+
+    def __getstate__(self) -> dict[Any, Any]:
+        return {**super().__getstate__(), "__dict__": self.fields()}
+
+
+Part = TypeVar("Part", bound=Frozen)
+
+
+def _only_fields(part: Part) -> Part:
+    for name in set(part.__dict__) - set(type(part).model_fields):
+        del part.__dict__[name]
+    return part
+
+
+class FileRoot(Frozen):
+    """The whole of a file."""
+
+    format: int
+    source: Path | None
+    """Where it was read from."""
+    digest: str
+    """SHA-256 of the bytes of that file, in hexadecimal."""
+
+
+Root = TypeVar("Root", bound=FileRoot)

@@ -1,0 +1,142 @@
+"""Errors of validation in words: which key, what is wrong with it, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from ..errors import InputError, UnknownNameError, close_names
+
+KeyPath = tuple[str | int, ...]
+INTERNAL = ("source", "digest")
+"""Fields that are no keys of a file."""
+
+
+def dotted(path: KeyPath) -> str:
+    """Write a key path as `tasks.sphere.desired_contacts[0]`."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+def input_error(
+    error: ValidationError,
+    model: type[BaseModel],
+    content: object,
+    *,
+    file: Path | None = None,
+    lines: Mapping[KeyPath, int] | None = None,
+) -> InputError:
+    """Return the first unknown key (a misspelt key is also a missing one), else the first problem, as an error.
+
+    Args:
+        error: of the validation.
+        model: what was to be made.
+        content: what it was to be made from.
+        file: that the content was read from.
+        lines: of the file, by key path.
+    """
+    first = min(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden")
+    path: KeyPath = first["loc"]
+    context = first.get("ctx", {})
+    remedy: str | None = None
+    added: KeyPath = ()
+    kind: type[InputError] = InputError
+    match first["type"]:
+        case "missing" if isinstance(path[-1], str):
+            path, added = path[:-1], path[-1:]
+            problem, remedy = "this key is missing", "Add it"
+        case "union_tag_not_found":
+            added = (context["discriminator"].strip("'"),)
+            problem, remedy = "this key is missing", "Add it"
+        case "union_tag_invalid":
+            path, kind = (*path, context["discriminator"].strip("'")), UnknownNameError
+            problem = f"{context['tag']!r} is not known"
+            remedy = close_names(context["tag"], context["expected_tags"].replace("'", "").split(", "))
+        case "extra_forbidden":
+            problem, remedy = "unknown key", close_names(str(path[-1]), _keys_in(model, path[:-1]))
+        case "wrong" | "unknown_name":
+            path, problem, remedy = (*path, *context["path"]), context["problem"], context["remedy"]
+            kind = UnknownNameError if first["type"] == "unknown_name" else InputError
+        case _:
+            problem = _in_words(first)
+    known = _nearest(path, content)
+    line = None if lines is None else _line(known, lines)
+    return kind(problem, file=file, line=line, key=dotted((*known, *added)) or None, remedy=remedy)
+
+
+def _nearest(path: KeyPath, content: object) -> KeyPath:
+    """Return the part of `path` that stands in the content: without the tags by which blocks are told apart."""
+    known: KeyPath = ()
+    for part in path:
+        if isinstance(content, BaseModel):
+            content = content.__dict__
+        elif isinstance(content, np.ndarray):
+            content = content.tolist()
+        if isinstance(content, Mapping):
+            for key, value in content.items():
+                if str(key) == str(part):
+                    known, content = (*known, str(key)), value
+                    break
+        elif isinstance(part, int) and isinstance(content, list | tuple) and part < len(content):
+            known, content = (*known, part), content[part]
+    return known
+
+
+def _line(path: KeyPath, lines: Mapping[KeyPath, int]) -> int:
+    """Return the line of a key, or of the block that it is in if it came there otherwise (YAML's `<<`)."""
+    while path not in lines:
+        path = path[:-1]
+    return lines[path]
+
+
+def _in_words(problem: ErrorDetails) -> str:
+    """Say what is wanted without the words of Python."""
+    given, context = problem["input"], problem.get("ctx", {})
+    match problem["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "missing":
+            return f"more values are wanted ({len(given)} given)"
+        case "too_long":
+            return f"{context['max_length']} values are wanted ({context['actual_length']} given)"
+        case "too_short":
+            return f"at least {context['min_length']} values are wanted ({context['actual_length']} given)"
+        case "tuple_type":
+            wanted = "a list in [brackets]"
+        case "dict_type" | "model_type" | "model_attributes_type":
+            wanted = "a block of keys"
+        case "string_type":
+            wanted = "a text"
+        case "float_type" | "float_parsing":
+            wanted = "a number"
+        case "finite_number":
+            wanted = "a finite number"
+        case _:
+            message = problem["msg"]
+            return f"{message[:1].lower()}{message[1:]} (given: {given!r})"
+    return f"{wanted} is wanted (given: {'nothing' if given is None else repr(given)})"
+
+
+def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
+    """Return the keys that the block at `path` may have."""
+    schema = model.model_json_schema()
+    block: dict[str, Any] = schema
+    for part in path:
+        if "discriminator" in block:
+            block = {"$ref": block["discriminator"]["mapping"][part]}
+        elif isinstance(part, int):
+            block = block["items"]
+        else:
+            block = block.get("properties", {}).get(part) or block["additionalProperties"]
+        if "anyOf" in block:  # a block that may be left out
+            block = next(kind for kind in block["anyOf"] if kind.get("type") != "null")
+        if "$ref" in block:
+            block = schema["$defs"][block["$ref"].rsplit("/", 1)[-1]]
+    return sorted(set(block["properties"]) - set(INTERNAL))

@@ -1,0 +1,117 @@
+"""Types of the values in robot and scene files: numbers, names, vectors, intervals, tables; one definition each.
+
+Vectors are tuples when they have been read; lists and NumPy arrays are taken for them. Tables of named parts become
+mappings that cannot be written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Literal, TypeVar
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, FiniteFloat, WrapSerializer
+from pydantic_core import PydanticCustomError, PydanticKnownError
+
+from ..errors import close_names
+from ..frozen import FrozenMapping
+
+ABSENT = object()
+"""In place of a `format` that a file does not give."""
+
+
+def wrong(problem: str, *path: str | int, remedy: str | None = None) -> PydanticCustomError:
+    """Return what a validator raises: the problem is with the key at `path` below the part that it validates."""
+    return PydanticCustomError("wrong", "{problem}", {"problem": problem, "path": path, "remedy": remedy})
+
+
+def unknown(problem: str, name: str, known: list[str], *path: str | int) -> PydanticCustomError:
+    """Return what a validator raises where a name is none of those known; the remedy lists close ones."""
+    context = {"problem": problem, "path": path, "remedy": close_names(name, known)}
+    return PydanticCustomError("unknown_name", "{problem}", context)
+
+
+def _number(value: object) -> object:
+    """Refuse booleans as numbers (YAML reads `yes` and `on` as true); -0 is 0: equal content has one digest."""
+    if isinstance(value, bool | np.bool_):
+        raise ValueError(f"a number is wanted, not {value}")
+    return 0.0 if isinstance(value, float) and value == 0.0 else value
+
+
+def _format(value: object) -> object:
+    if value is ABSENT:
+        raise PydanticKnownError("missing")
+    return _number(value)
+
+
+def listed(value: object) -> object:
+    """Return a NumPy array as a list; refuse what has no order or can be read only once."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if not isinstance(value, list | tuple):
+        raise PydanticKnownError("tuple_type")
+    return value
+
+
+def _without_slash(name: str) -> str:
+    if "/" in name or "\\" in name:
+        raise ValueError("a slash is not allowed: the name becomes part of a file's name")
+    return name
+
+
+Format1 = Annotated[Literal[1], BeforeValidator(_format)]
+Number = Annotated[FiniteFloat, BeforeValidator(_number)]
+Positive = Annotated[Number, Field(gt=0.0)]
+NotNegative = Annotated[Number, Field(ge=0.0)]
+Name = Annotated[str, Field(min_length=1)]
+FileName = Annotated[Name, AfterValidator(_without_slash)]
+"""A name that becomes part of a file's name."""
+Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
+Interval = Annotated[tuple[Number, Number], BeforeValidator(listed)]
+
+
+def ordered(interval: tuple[float, float], *path: str | int) -> tuple[float, float]:
+    """Return the interval, or raise what a validator raises if its lower end is not below the upper one."""
+    if interval[0] >= interval[1]:
+        raise wrong(f"the lower end {interval[0]:g} is not below the upper end {interval[1]:g}", *path)
+    return interval
+
+
+def _not_above(interval: tuple[float, float]) -> tuple[float, float]:
+    if interval[0] > interval[1]:
+        raise wrong(f"the lower end {interval[0]:g} is above the upper end {interval[1]:g}")
+    return interval
+
+
+def _unit(vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    length = float(np.linalg.norm(vector))
+    if abs(length - 1.0) > 1e-6:
+        raise wrong(f"must have length 1, not {length:.4g}")
+    return vector
+
+
+UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
+OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
+"""An interval that has a width."""
+Range = Annotated[Interval, AfterValidator(_not_above)]
+"""An interval that may have no width."""
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+def _frozen(table: Mapping[str, Any]) -> FrozenMapping[Any]:
+    return FrozenMapping(table)
+
+
+def _written(table: Mapping[str, Any], write: Callable[[dict[str, Any]], Any]) -> Any:
+    return write(dict(table))
+
+
+Table = Annotated[Mapping[Key, Value], AfterValidator(_frozen), WrapSerializer(_written)]
+"""Parts by name; cannot be written."""
+
+
+def empty() -> FrozenMapping[Any]:
+    """Return a table without entries."""
+    return FrozenMapping({})

@@ -1,0 +1,172 @@
+"""Arguments of public calls that cannot be used: errors of pinograsp, which name the argument."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pinograsp
+from pinograsp import (
+    Cone,
+    Database,
+    HoldOptions,
+    InputError,
+    Planner,
+    Robot,
+    Scene,
+    SolverOptions,
+    TaskError,
+    UnknownNameError,
+    assess,
+    build_database,
+    configurations_near,
+    hold_test,
+    load_robot,
+    load_scene,
+    plan,
+    read_json,
+    schema,
+    spread_configurations,
+    visualization,
+)
+from pinograsp.results.different import different
+from pinograsp.results.ranking import pareto_front
+
+NAN = float("nan")
+ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
+    (lambda: load_scene(3), None, ["a path or a name is wanted, not 3"]),  # type: ignore[arg-type]
+    (lambda: load_robot(None), None, ["a path or a name is wanted, not None"]),  # type: ignore[arg-type]
+    (lambda: load_scene("a" * 5000), None, ["no such scene file"]),
+    (lambda: load_robot("a\0b"), None, ["no such robot file"]),
+    (lambda: load_scene(""), None, ["no such scene file"]),
+    (lambda: schema("scenes"), "kind", ["Did you mean scene?"]),  # type: ignore[arg-type]
+    (lambda: schema([]), "kind", ["Known: robot, scene"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(tries=0), "tries", ["at least 1"]),
+    (lambda: SolverOptions(tries="x"), "tries", ["a whole number"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(max_evaluations=-3), "max_evaluations", ["at least 1"]),
+    (lambda: SolverOptions(tolerance=NAN), "tolerance", ["finite"]),
+    (lambda: SolverOptions(projection="contact"), "projection", ["Did you mean contacts?"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(algorithm="SLSQP").budget, "algorithm", ["Did you mean LD_SLSQP?"]),
+    (lambda: SolverOptions(algorithm=[]).budget, "algorithm", ["Known: "]),  # type: ignore[arg-type]
+    (lambda: HoldOptions(friction="x"), "options.friction", ["a number"]),  # type: ignore[arg-type]
+    (lambda: HoldOptions(spin=NAN), "options.spin", ["finite"]),
+    (lambda: HoldOptions(ramp=0.0), "options.ramp", ["positive"]),
+    (lambda: Cone("x", 1.0), "axis", ["numbers of shape (3,)"]),  # type: ignore[arg-type]
+    (lambda: Cone(np.zeros(3), 1.0), "axis", ["no direction"]),
+    (lambda: Cone(np.ones(2), 1.0), "axis", ["shape (2,), not (3,)"]),
+    (lambda: Cone(np.array([0.0, 0.0, NAN]), 1.0), "axis", ["not finite"]),
+    (lambda: Cone(np.ones(3), 4.0), "half_angle", ["at most 3.14"]),
+    (lambda: read_json(3), "file", ["must be of class Path or str, not 3"]),  # type: ignore[arg-type]
+    (lambda: Database.open(None), "file", ["must be of class Path or str"]),  # type: ignore[arg-type]
+    (lambda: assess(3), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
+    (lambda: hold_test(3), "grasps", ["must be of class Result or Grasp"]),  # type: ignore[arg-type]
+    (lambda: hold_test([3]), "grasps", ["must be of class Grasp"]),  # type: ignore[list-item]
+    (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]
+    (lambda: different([], -1), "most", ["at least 0"]),
+    (lambda: pareto_front([], 3), "criteria", ["must be of class Sequence"]),  # type: ignore[arg-type]
+]
+
+
+@pytest.mark.parametrize(("call", "key", "words"), ALONE)
+def test_alone(call: Callable[[], object], key: str | None, words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        call()
+    assert caught.value.key == key
+    for word in words:
+        assert word in str(caught.value)
+
+
+PLANS: list[tuple[dict[str, Any], str, list[str]]] = [
+    ({"robot": "gen3_2f85"}, "robot", ["must be of class Robot, not 'gen3_2f85'", "load_robot"]),
+    ({"scene": "glovebox"}, "scene", ["must be of class Scene, not 'glovebox'", "load_scene"]),
+    ({"task": "spher"}, "tasks", ["Did you mean sphere?"]),
+    ({"task": None}, "tasks", ["no task None"]),
+    ({"starts": 1.5}, "starts", ["a whole number"]),
+    ({"starts": 0}, "starts", ["at least 1"]),
+    ({"seed": -1}, "seed", ["at least 0"]),
+    ({"workers": 0}, "workers", ["at least 1"]),
+    ({"database": 3}, "database", ["must be of class Database or Path or str"]),
+    ({"options": {"tries": 1}}, "options", ["must be of class SolverOptions"]),
+    ({"options": SolverOptions(algorithm="x")}, "algorithm", ["no solver 'x'"]),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "words"), PLANS)
+def test_a_plan(gen3: Robot, glovebox: Scene, changes: dict[str, Any], key: str, words: list[str]) -> None:
+    given = {"robot": gen3, "scene": glovebox, "task": "sphere", "starts": 1, "workers": 1} | changes
+    with pytest.raises(InputError) as caught:
+        plan(**given)
+    assert caught.value.key == key
+    for word in words:
+        assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("deadline", ["x", NAN, -1.0])
+def test_a_deadline(gen3: Robot, glovebox: Scene, deadline: Any) -> None:
+    with Planner(gen3, glovebox, workers=1) as planner, pytest.raises(InputError, match=r"^deadline: must be"):
+        next(planner.grasps("sphere", deadline=deadline))
+
+
+@pytest.fixture(scope="module")
+def rows(toy: Robot, tmp_path_factory: pytest.TempPathFactory, make_toy_scene: Any) -> Database:
+    return build_database(toy, make_toy_scene(), tmp_path_factory.mktemp("rows") / "rows.duckdb", size=200, workers=1)
+
+
+QUERIES: list[tuple[dict[str, Any], str, list[str]]] = [
+    ({"center": "x"}, "center", ["numbers of shape (3,)"]),
+    ({"center": [0.0, 0.0]}, "center", ["shape (2,), not (3,)"]),
+    ({"center": [0.0, 0.0, NAN]}, "center", ["not finite"]),
+    ({"extent": -1.0}, "extent", ["at least 0"]),
+    ({"extent": [1.0, 1.0]}, "extent", ["shape (2,), not (3,)"]),
+    ({"extent": "x"}, "extent", ["numbers"]),
+    ({"cone": 3}, "cone", ["must be of class Cone"]),
+    ({"joints": {"sholder": [(0.0, 1.0)]}}, "joints", ["there is no arm joint 'sholder'. Did you mean shoulder?"]),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "words"), QUERIES)
+def test_a_query(rows: Database, changes: dict[str, Any], key: str, words: list[str]) -> None:
+    given = {"center": [0.0, 0.0, 0.1], "extent": 0.5} | changes
+    for call in (configurations_near, lambda *a, **k: spread_configurations(*a, 5, **k)):
+        with pytest.raises(InputError) as caught:
+            call(rows, given["center"], given["extent"], **{k: v for k, v in given.items() if k in {"cone", "joints"}})
+        assert caught.value.key == key
+        for word in words:
+            assert word in str(caught.value)
+        assert isinstance(caught.value, UnknownNameError) == (key == "joints")
+
+
+def test_numbers_of_a_query(rows: Database) -> None:
+    with pytest.raises(InputError, match=r"^limit: must be at least 0"):
+        configurations_near(rows, np.zeros(3), 0.5, limit=-1)
+    with pytest.raises(InputError, match=r"^count: must be at least 0"):
+        spread_configurations(rows, np.zeros(3), 0.5, -1)
+    with pytest.raises(InputError, match=r"^seed: must be a whole number"):
+        spread_configurations(rows, np.zeros(3), 0.5, 5, seed="x")  # type: ignore[arg-type]
+
+
+def test_seeds_of_any_size(rows: Database) -> None:
+    """Those above 2147 used to overflow DuckDB's integers."""
+    chosen = {
+        seed: tuple(spread_configurations(rows, np.zeros(3), 1.0, 5, seed=seed).samples.tolist())
+        for seed in (0, 1, 2147, 2148, 10**6, 2**31, 2**70)
+    }
+    assert len(set(chosen.values())) >= 6
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"), [({"size": 0}, "size"), ({"seed": -1}, "seed"), ({"spread": "joint"}, "spread")]
+)
+def test_a_database(toy: Robot, make_toy_scene: Any, tmp_path: Path, changes: dict[str, Any], key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        build_database(toy, make_toy_scene(), tmp_path / "rows.duckdb", **{"size": 10, **changes})
+    assert caught.value.key == key
+    assert not (tmp_path / "rows.duckdb").exists()
+
+
+def test_errors_are_public() -> None:
+    assert issubclass(TaskError, pinograsp.PinograspError)
