@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 
 import pinograsp
-from pinograsp.compiled import compiled
+from pinograsp.compiled import compiled, compiling
+from pinograsp.progress import Progress
 
 PACKAGE = Path(pinograsp.__file__).parent
 SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if "@compiled" in path.read_text())
@@ -69,6 +70,16 @@ def test_without_a_folder_to_keep_it_in_a_function_is_compiled_all_the_same(monk
         patch.setattr(numba, "njit", refuse)
         invert = compiled(lambda x: 1.0 / x)
     assert invert(0.0) == np.inf
+
+
+def test_only_what_is_compiled_now_is_reported() -> None:
+    double, triple, seen = numba.njit(lambda x: 2.0 * x), numba.njit(lambda x: 3.0 * x), list[Progress]()
+    with compiling(seen.append):
+        double(1.0)
+        double(2.0)
+    assert seen == [Progress("compiling", 0), Progress("compiling", 1)]
+    triple(1.0)  # nobody listens any more
+    assert len(seen) == 2
 
 
 INTERPRETED = """

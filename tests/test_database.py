@@ -37,7 +37,6 @@ from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.progress import Progress
-from pinograsp.tables import drawn
 from pinograsp.verification.check import Verifier
 
 SIZE = 9_000
@@ -340,7 +339,8 @@ def test_cached_database_is_built_once(
         file, rows = database.file, database.rows()
     of_build = [report for report in reports if report.stage == "start database"]
     assert [report.done for report in of_build] == sorted({report.done for report in of_build})
-    assert (of_build[-1].done, reports[-1]) == (of_build[-1].total, Progress("sorting", 0, of_build[-1].done))
+    assert of_build[-1].done == of_build[-1].total >= rows
+    assert reports[-1] == Progress("sorting", 0, rows)
     assert all(report.numbers["rows per second"] > 0.0 for report in of_build)
     assert file.parent == tmp_path
     changed = file.stat().st_mtime_ns
@@ -364,7 +364,7 @@ def test_command_line(
     file = tmp_path / "cli.duckdb"
     assert "configurations in" in run("build", str(file), "--scene", "glovebox", "--size", "1e3")
     facts = json.loads(run("info", str(file), "--json"))
-    assert f"rows: {facts['rows']}\n" in run("info", str(file))
+    assert f"rows: {facts['rows']:,}\n" in run("info", str(file))
     assert facts["rows"] >= 1000
     assert facts["joints"] == [f"joint_{i}" for i in range(1, 8)]
     center = ("--center", "0.6", "0.0", "0.0")
@@ -389,7 +389,7 @@ def test_table_of_configurations_fits(width: int) -> None:
     found = Configurations(
         np.full((2, 9), -math.pi), np.full((2, 3), -9.999), np.full((2, 3), -1.0), np.full(2, 0.05), np.arange(2)
     )
-    lines = drawn(configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width), width).splitlines()
+    lines = configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width).drawn(width).splitlines()
     assert max(map(len, lines)) <= width
     text = "\n".join(lines)
     assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)

@@ -11,13 +11,17 @@ from typing import Any
 
 import pytest
 import yaml
+from test_readme import blocks
 
 import pinograsp
+from pinograsp.problem import TaskModel
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 CONFIGURATION = yaml.load((ROOT / "mkdocs.yml").read_text(), Loader=yaml.BaseLoader)
+DEFAULTS = {"margin", "reserve", "force_weight"}
+"""Keys of a task whose defaults a page shows."""
 RECIPES = (ROOT / "CONTRIBUTING.md").read_text()
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *PAGES]
 
@@ -56,6 +60,36 @@ def test_the_reference_has_every_public_name_and_no_other() -> None:
     index = (DOCS / "reference" / "index.md").read_text()
     for name in shown:
         assert f"[`{name}`][pinograsp.{name}]" in index
+
+
+def test_the_tree_of_errors_is_drawn_as_it_is() -> None:
+    page = (DOCS / "reference" / "errors.md").read_text()
+    drawn = re.findall(r"^( *)(\w+Error)\b", page.partition("```text\n")[2].partition("```")[0], re.MULTILINE)
+    above: list[str] = []
+    for indentation, name in drawn:
+        above = [*above[: len(indentation) // 4], name]
+        assert getattr(pinograsp, name).__base__.__name__ == (above[-2] if len(above) > 1 else "Exception")
+    assert {name for _, name in drawn} == {name for name in pinograsp.__all__ if name.endswith("Error")}
+
+
+@pytest.mark.parametrize(
+    "block", [text for page in ("tasks", "locked_joint") for text in blocks(DOCS / "howto" / f"{page}.md", "yaml")]
+)
+def test_keys_of_a_task_are_understood(block: str) -> None:
+    keys = yaml.safe_load(block)
+    scene = pinograsp.load_scene("glovebox_can")
+    changed = scene.with_task("can", **keys)
+    assert TaskModel(pinograsp.load_robot("gen3_2f85"), changed, "can")
+    assert all(
+        getattr(changed.task("can"), key) != getattr(scene.task("can"), key) for key in keys if key not in DEFAULTS
+    )
+
+
+def test_defaults_of_a_task_are_what_the_page_says() -> None:
+    shown = next(yaml.safe_load(text) for text in blocks(DOCS / "howto" / "tasks.md", "yaml") if "margin" in text)
+    task = pinograsp.load_scene("panda_table").task("sphere").model_dump()
+    for key in DEFAULTS:
+        assert shown[key] == task[key]
 
 
 def test_the_readme_is_short() -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
-import yaml
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
 from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
@@ -320,16 +318,3 @@ def test_too_few_starts_are_said(gen3: Robot, glovebox: Scene) -> None:
     result = plan(gen3, scene, "sphere", starts=9, workers=1)
     assert (result.best, result.starts) == (None, 9)
     assert result.done < 9
-
-
-# ---- README
-
-
-def test_yaml_of_the_readme(gen3: Robot, glovebox: Scene) -> None:
-    text = (Path(__file__).parents[1] / "README.md").read_text()
-    [block] = re.findall(r"```yaml\n(approach:.*?)```", text, flags=re.DOTALL)
-    keys = yaml.safe_load(block)
-    assert set(keys) == {"approach", "joint_ranges"}
-    model = TaskModel(gen3, preferring(glovebox, **keys), "sphere")
-    assert model.approach is not None
-    assert (model.lower > gen3.lower).any()

@@ -261,7 +261,7 @@ def test_a_further_criterion_is_one_more_entry(setup: Setup, monkeypatch: pytest
     ]
     result = result_of(setup, *made)
     assert starts(result.ranked()) == [1, 0]
-    assert "toy\nmm" in [column.header for column in table.grasp_table(result).columns]
+    assert "toy\nmm" in [column.heading for column in table.grasp_table(result).columns]
     assert "<th>toy<small>mm</small></th>" in comparison.grasp_list(result)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import io
 import json
 import math
 import pickle
@@ -18,8 +17,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from conftest import TOY_URDF, RobotFactory
-from rich.console import Console
-from rich.table import Table
 
 from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
@@ -524,7 +521,7 @@ def test_table_fits_80_columns(result: Result) -> None:
         )
         for i in range(1200)
     ]
-    text = printed(grasp_table(dataclasses.replace(result, grasps=tuple(long)), by="reserve"))
+    text = grasp_table(dataclasses.replace(result, grasps=tuple(long)), by="reserve").drawn(80)
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text
     assert text.count(" 1304x  1234  123.46   50.0    123.4 ") == 10
@@ -536,7 +533,7 @@ def test_table_fits_80_columns(result: Result) -> None:
 
 def test_table_without_figures(result: Result) -> None:
     bare = dataclasses.replace(result.grasps[0], certificate=Certificate(()))
-    text = printed(grasp_table(dataclasses.replace(result, grasps=(bare,))))
+    text = grasp_table(dataclasses.replace(result, grasps=(bare,))).drawn(80)
     (row,) = [line for line in text.splitlines() if line.startswith("1 ")]
     assert row.split()[3:6] == ["-", "-", "-"]
     assert "by" not in text
@@ -546,12 +543,6 @@ def pose(x: float) -> Any:
     T = np.eye(4)
     T[0, 3] = x
     return T
-
-
-def printed(table: Table) -> str:
-    console = Console(width=80, record=True, file=io.StringIO())
-    console.print(table)
-    return console.export_text()
 
 
 def test_words_about_the_starts(setup: Setup) -> None:

@@ -16,7 +16,7 @@ import trimesh
 import yaml
 from conftest import TOY_ROBOT, TOY_URDF, Array
 
-from pinograsp import Robot, cli
+from pinograsp import Progress, Robot, cli
 from pinograsp.descriptions import urdf
 from pinograsp.onboarding.check import RobotReport, check_robot
 from pinograsp.visualization.pads import surface
@@ -192,6 +192,13 @@ def test_pieces_that_stand_off_their_mesh(check: Check, tmp_path: Path) -> None:
     assert bracket.pieces == 1
     assert 0.015 < bracket.excess < bracket.most < 0.04
     assert not any("stand off its" in words for words in said(check(urdf), "doubtful"))
+
+
+def test_progress_of_a_check(tmp_path: Path) -> None:
+    seen: list[Progress] = []
+    check_robot(write_toy(tmp_path, {}), seen.append)
+    pieces = [progress for progress in seen if progress.stage == "convex pieces"]
+    assert pieces == [Progress("convex pieces", done, 4) for done in range(4)]
 
 
 def test_the_urdf_is_read_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

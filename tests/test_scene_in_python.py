@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -290,11 +291,14 @@ def test_nothing_of_a_scene_can_be_changed() -> None:
 
 
 def test_copies_are_as_immutable() -> None:
+    assert ROOM.mounting.matrix[3, 3] == 1.0  # computed before it is copied
     for again in (pickle.loads(pickle.dumps(ROOM)), copy.deepcopy(ROOM), ROOM.model_copy(), ROOM.model_copy(deep=True)):
         assert again == ROOM
         assert again.digest == ROOM.digest
         with pytest.raises(TypeError, match="does not support item assignment"):
             again.objects["other"] = BALL  # type: ignore[index]
+        with pytest.raises(ValueError, match="read-only"):
+            again.mounting.matrix[0] = 1.0
     assert type(ROOM.model_dump()["objects"]) is dict
 
 
@@ -354,8 +358,10 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: ROOM.with_task("a/b", HOLD), "tasks.a/b", ["slash"]),
     (lambda: ROOM.with_task("a\\b", HOLD), "tasks.a\\b", ["slash"]),
     (lambda: ROOM.with_task("", HOLD), "tasks.", ["at least 1 character"]),
-    (lambda: ROOM.with_task(3, HOLD), "tasks.3", ["a text is wanted"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task(3, HOLD), "name", ["must be of class str, not 3"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", 3), "tasks.hold", ["a block of keys"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_task("hold", 3, lock={}), "task", ["must be of class Task, not 3"]),  # type: ignore[arg-type]
+    (lambda: ROOM.with_object([], BALL), "name", ["must be of class str, not []"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", lokc={}), "tasks.hold.lokc", ["unknown key", "Did you mean lock"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": NAN}), "tasks.hold.lock.joint_7", ["finite"]),
     (lambda: ROOM.with_task("hold", lock={"joint_7": None}), "tasks.hold.lock.joint_7", ["a number", "nothing"]),
@@ -472,3 +478,13 @@ def test_a_strict_script_passes_without_a_plugin(tmp_path: Path) -> None:
     first = SCRIPT.count("\n") + 1
     for line, words in enumerate(WRONG.values(), first):
         assert any(f"wrong.py:{line}:" in text and words in text for text in bad.stdout.splitlines()), bad.stdout
+
+
+def test_a_notebook_shows_bodies_and_tasks() -> None:
+    scene = load_scene("glovebox_can").with_obstacle("lamp", Body(shape=Box(size=(0.1, 0.2, 0.3))))
+    html = scene._repr_html_()
+    text = re.sub(r"(<[^>]*>)+", "|", html)
+    assert "|Scene glovebox_can: enclosure from (0, -0.42, -0.237) to (1.1, 0.42, 0.363) m|" in text
+    assert "|can|object|cylinder, radius 0.0423, height 0.118|(0.997, 0.02, -0.178)|" in text
+    assert "|lamp|obstacle|box, size (0.1, 0.2, 0.3)|(0, 0, 0)|" in text
+    assert "|can_region|can|(0, 0, -2)|0.9|" in text

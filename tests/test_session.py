@@ -152,7 +152,7 @@ def test_an_object_that_is_not_there_cannot_be_moved(planner: Planner) -> None:
 @pytest.mark.parametrize(
     ("pose", "message"),
     [
-        (np.full((4, 4), np.nan), "pose: is no homogeneous transform"),
+        (np.full((4, 4), np.nan), "pose: holds a number that is not finite"),
         (np.zeros((4, 4)), "pose: is no homogeneous transform"),
         (np.diag([1.0, 1.0, -1.0, 1.0]), "pose: is no homogeneous transform"),
         (np.zeros(3), r"pose: has shape \(3,\), not \(4, 4\)"),
@@ -168,7 +168,7 @@ def test_what_is_no_pose_moves_nothing(planner: Planner, pose: Any, message: str
 
 @pytest.mark.parametrize("limits", [{"most": 0}, {"deadline": -1.0}, {"deadline": float("nan")}], ids=str)
 def test_limits_of_a_search_that_make_no_sense(planner: Planner, limits: Any) -> None:
-    with pytest.raises(InputError, match="must be at least"):
+    with pytest.raises(InputError, match=r"^(most|deadline): must be (at least|a finite)"):
         next(planner.grasps("sphere", **limits))
 
 

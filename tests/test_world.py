@@ -23,6 +23,7 @@ from pinograsp.errors import InputError
 from pinograsp.kinematics.forward import Configuration, forward
 from pinograsp.kinematics.robot import Robot, _built
 from pinograsp.memo import remembered
+from pinograsp.progress import Progress
 
 POSTURE = np.array([0.2, 0.03])
 BALL = BodyKey("target", "ball")
@@ -156,6 +157,26 @@ def test_a_robot_that_travels_is_built_once_until_its_files_change(make_toy: Rob
         pickle.loads(on_its_way)
     heights = [np.ptp(np.array(link_bodies(r)[2].solids[0].shape.points())[:, 2]) for r in (first, changed)]
     np.testing.assert_allclose(heights, [0.04, 0.05], atol=1e-7)
+
+
+def test_bodies_are_reported_while_they_are_made(make_toy: RobotFactory) -> None:
+    robot, seen = make_toy(), list[Progress]()
+    link_bodies(robot, seen.append)
+    assert seen == [Progress("convex pieces", done, 4) for done in range(4)]
+    link_bodies(robot.mounted(np.eye(4)), seen.append)  # they are there
+    assert len(seen) == 4
+
+
+def test_an_interrupt_leaves_no_robot_without_some_of_its_bodies(make_toy: RobotFactory) -> None:
+    robot = make_toy()
+
+    def interrupt(progress: Progress) -> None:
+        if progress.done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        link_bodies(robot, interrupt)
+    assert [body.name for body in link_bodies(robot)] == ["base", "arm", "left", "right"]
 
 
 def test_what_is_remembered_goes_with_its_subject(make_toy: RobotFactory) -> None:

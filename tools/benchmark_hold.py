@@ -1,7 +1,7 @@
 """Benchmark of the hold test: best, random and worst grasps of each case of the paper, and how true their Q_force is.
 
     python tools/benchmark_hold.py [case ...] [--robots gen3_2f85 gen3_2f85_paper] [--starts 300] [--count 20]
-    python tools/benchmark_hold.py --results out/glovebox_sphere.json ...
+    python tools/benchmark_hold.py --results out/glovebox_sphere_gen3_2f85.json ...
 
 prints two Markdown tables. The first: of the best, of random and of the worst grasps, the shares that hold at rest,
 shaken and turned, how far the pads' forces at rest are from the planned ones, and how many have links that touch

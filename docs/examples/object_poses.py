@@ -27,7 +27,7 @@ def main(poses: int = 100) -> None:
         for _ in range(poses):
             x, y = rng.uniform((0.35, -0.25), (0.65, 0.25))
             planner.move("can", Pose(position=(x, y, 0.0575), rpy=(0.0, 0.0, rng.uniform(-np.pi, np.pi))))
-            grasp = next(planner.grasps("lift", most=1, deadline=2.0), None)
+            grasp = next(planner.grasps("lift", most=1), None)
             if grasp is not None:
                 found += 1
                 print(f"can at ({x:.2f}, {y:.2f}): U = {grasp.cost.U:.2f}, arm {grasp.q_arm.round(2)}")

@@ -11,6 +11,7 @@ from pinograsp.descriptions.schema import schema
 
 Block = dict[str, Any]
 _WHOLE = {"robot": "RobotDescription", "scene": "Scene"}
+_FIRST = {"format", "name", "description"}
 _NUMBERS = {"number": "number", "integer": "whole number"}
 _BOUNDS = {"exclusiveMinimum": ">", "gt": ">", "minimum": ">=", "ge": ">=", "exclusiveMaximum": "<", "lt": "<"}
 _BOUNDS |= {"maximum": "<=", "le": "<="}
@@ -56,7 +57,8 @@ def _described(block: Block) -> str:
 
 def _table(block: Block, meanings: dict[str, str], blocks: dict[str, Block]) -> str:
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
-    for key, value in block.get("properties", {}).items():
+    keys = sorted(block.get("properties", {}), key=lambda key: key not in _FIRST)
+    for key, value in ((key, block["properties"][key]) for key in keys):
         default = "required" if key in block.get("required", []) else _default(value)
         inner = _references(value)
         meaning = meanings.get(key) or (_described(blocks[inner[0]]) if len(inner) == 1 else "")

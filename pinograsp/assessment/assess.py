@@ -86,11 +86,11 @@ def _each(workers: Workers, prepare: Callable[[], Callable[[Any], Any]], items: 
 
 
 def _judging(grasp: Grasp) -> Callable[[tuple[int, Draw]], tuple[int, Verdict]]:
-    """Build, in a worker, what judges numbered sets of errors."""
+    """Build, in a worker, the judge of numbered sets of errors."""
     judge = Judge(grasp)
     return lambda item: (item[0], judge.verdict(item[1]))
 
 
 def _finding(grasp: Grasp) -> Callable[[str], Margin]:
-    """Build, in a worker, what finds margins."""
+    """Build, in a worker, the search for margins."""
     return partial(margin_of, Judge(grasp))

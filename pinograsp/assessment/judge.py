@@ -75,7 +75,7 @@ class Judge:
         return Draw.none(self.task.contact.friction, len(self.grasp.q_arm))
 
     def verdict(self, draw: Draw) -> Verdict:
-        """Return what a set of errors does to the grasp."""
+        """Return the effect of a set of errors on the grasp."""
         closed = self._closed(draw)
         if closed.left:
             return Verdict(OFF_PAD, "", -math.inf, False)
@@ -116,7 +116,7 @@ class Judge:
         return self.closing.closed(self.grasp.q_arm + draw.joints, T)
 
     def _claim(self, closed: Closed) -> Claim:
-        """Return what the verification judges: planned forces, gone along with the pads, at the planned squeeze."""
+        """Return the claim that the verification judges: planned forces moved with the pads, at the planned squeeze."""
         planned = self.grasp.claim
         turned = closed.rotations @ self.closing.planned.rotations.transpose(0, 2, 1)
         forces = np.einsum("nij,nj->ni", turned, planned.forces)

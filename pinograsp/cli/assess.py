@@ -11,6 +11,7 @@ import typer
 
 import pinograsp
 
+from ..tables import Table
 from . import arguments
 from .arguments import INTERRUPTED, command
 from .folders import file_name, make_folder, save
@@ -18,8 +19,6 @@ from .inputs import grasp_of
 from .terminal import Terminal
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..assessment.outcome import Sample
 
 
@@ -145,27 +144,22 @@ def _report(found: pinograsp.Assessment, number: int, result: pinograsp.Result, 
 
 
 def _causes(found: pinograsp.Assessment) -> Table:
-    from ..tables import new_table, numbers, words
-
-    table = new_table("why samples fail")
-    words(table, "cause")
-    numbers(table, "samples")
+    table = Table("why samples fail")
+    table.words("cause")
+    table.numbers("samples")
     for cause, count in found.causes.items():
-        table.add_row(cause, str(count))
+        table.add(cause, str(count))
     return table
 
 
 def _margins(found: pinograsp.Assessment) -> Table:
-    from rich.markup import escape
 
-    from ..tables import new_table, numbers, words
-
-    table = new_table("how large each error may be, alone")
-    words(table, "error")
-    numbers(table, "holds")
-    words(table, "ends", "because")
+    table = Table("how large each error may be, alone")
+    table.words("error")
+    table.numbers("holds")
+    table.words("ends", "because")
     for margin in found.margins:
-        table.add_row(margin.kind, _size(margin), escape(margin.where), escape(margin.cause))
+        table.add(margin.kind, _size(margin), margin.where, margin.cause)
     return table
 
 

@@ -10,6 +10,7 @@ import typer
 
 import pinograsp
 
+from ..tables import GAP, Table
 from . import arguments
 from .arguments import INTERRUPTED, command, group, help_alone
 from .folders import file_name, make_folder, save
@@ -17,8 +18,6 @@ from .inputs import read_robot
 from .terminal import Terminal, fail
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..database.query import Configurations
 
 NOTHING_FOUND = 1
@@ -239,15 +238,14 @@ def _document(found: Configurations, names: list[str]) -> dict[str, Any]:
 def configurations_table(found: Configurations, names: list[str], width: int) -> Table:
     """Return a table of configurations; angles for which a line has no room follow in the next one."""
     from ..results.table import angle_lines
-    from ..tables import GAP, new_table, numbers
 
-    table = new_table(f"{len(found)} configurations; arm joints {', '.join(names)}")
-    numbers(table, "wrist\nmm", "approach\n", "clear\nmm")
-    table.add_column(" arm joints\n °", no_wrap=True)
+    table = Table(f"{len(found)} configurations; arm joints {', '.join(names)}")
+    table.numbers("wrist\nmm", "approach\n", "clear\nmm")
+    table.lines(" arm joints\n °")
     taken = 17 + 17 + 5 + 3 * GAP
     rows = zip(found.q, found.positions, found.approaches, found.clearances, strict=True)
     for q, position, approach, clearance in rows:
-        table.add_row(
+        table.add(
             "".join(f"{1e3 * x:6.0f}" for x in position)[1:],
             "".join(f"{x:6.2f}" for x in approach)[1:],
             f"{1e3 * clearance:.0f}",

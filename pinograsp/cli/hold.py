@@ -7,20 +7,18 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 import pinograsp
 
+from ..tables import Table
 from . import arguments
 from .arguments import INTERRUPTED, command
 from .folders import file_name, make_folder, save
 from .inputs import grasp_of
 from .terminal import Terminal
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 NOT_HELD = 1
 
@@ -130,18 +128,16 @@ def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOp
 
 def _table(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions) -> Table:
     """Return a table of outcomes; of each grasp the forces of its pads, the planned ones below the measured ones."""
-    from ..tables import new_table, numbers
-
-    table = new_table("forces of the pads at rest in N: in the simulation, and below as planned")
-    numbers(table, "", "held", "moved\nmm", "turned\n°", "pads\nN")
+    table = Table("forces of the pads at rest in N: in the simulation, and below as planned")
+    table.numbers("", "held", "moved\nmm", "turned\n°", "pads\nN")
     if options.first_slip:
-        numbers(table, "slips\nm/s²")
+        table.numbers("slips\nm/s²")
     for outcome in outcomes:
         forces = [(pad.measured, pad.planned) for pad in outcome.pads]
         rows = ("".join(f"{force:6.2f}" for force in row) for row in zip(*forces, strict=True))
         slip = [_slip(outcome)] if options.first_slip else []
         moved, turned = f"{1e3 * outcome.distance:.3f}", f"{math.degrees(outcome.angle):.2f}"
-        table.add_row(str(outcome.grasp), "yes" if outcome.held else "no", moved, turned, "\n".join(rows), *slip)
+        table.add(str(outcome.grasp), "yes" if outcome.held else "no", moved, turned, "\n".join(rows), *slip)
     return table
 
 

@@ -18,9 +18,8 @@ from ..errors import FileError
 from .reporters import reporter
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..progress import Report
+    from ..tables import Table
 
 
 class Terminal:
@@ -53,10 +52,8 @@ class Terminal:
 
     def table(self, table: Table) -> None:
         """Write a table as wide as the terminal, or as wide as its numbers need."""
-        from ..tables import drawn
-
         if not self._quiet:
-            _write(drawn(table, self.width, color=_is_terminal(sys.stdout) and "NO_COLOR" not in os.environ))
+            _write(table.drawn(self.width, color=_is_terminal(sys.stdout) and "NO_COLOR" not in os.environ))
 
     def warn(self, line: str) -> None:
         """Write a warning."""

@@ -1,1 +1,1 @@
-"""What may touch what, and how far apart: exact signed distances of convex solids with gradients."""
+"""Allowed collision pairs and clearances: exact signed distances of convex solids with gradients."""

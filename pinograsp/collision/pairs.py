@@ -35,7 +35,7 @@ class Pair:
     link: str
     """The robot's link; in a self pair the outer one."""
     other: str
-    """What it must keep clear of: a wall, an obstacle, the object or a link."""
+    """The body that it must keep clear of: a wall, an obstacle, the object or a link."""
     first: int
     """Number of the first solid."""
     second: int

@@ -51,7 +51,7 @@ class Hull(NamedTuple):
 
 
 class BodyKey(NamedTuple):
-    """What tells bodies of a world apart: a link and an obstacle may have one name."""
+    """Key of a body in its world: a link and an obstacle may have one name."""
 
     role: Role
     name: str

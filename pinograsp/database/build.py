@@ -182,7 +182,7 @@ def _insert(database: Database, batch: Batch) -> None:
 
 
 def _finish(path: Path, size: int, pace: _Pace) -> None:
-    """Write what `size` needs, sorted, to a new file that takes the place of the old one; or leave it as it is."""
+    """Write the rows that `size` needs, sorted, to a new file in the place of the old one; or leave that as it is."""
     with Database.open(path, read_only=False) as database:
         if database.metadata()["layout"] == "sorted":
             return

@@ -48,7 +48,7 @@ class Identity:
 
     @classmethod
     def from_json(cls, text: str) -> Identity:
-        """Read what `to_json` wrote."""
+        """Return the identity that `to_json` wrote."""
         data = json.loads(text)
         return cls(data["robot"], data["enclosure"], data["margins"])
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
@@ -39,12 +38,26 @@ class Frozen(BaseModel):
         """Return the values of the fields by name, without what was computed from them."""
         return {name: getattr(self, name) for name in type(self).model_fields}
 
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy with some fields changed, which are not validated; what was computed is not copied."""
-        copied = super().model_copy(update=update, deep=deep)
-        for name in set(copied.__dict__) - set(type(copied).model_fields):
-            del copied.__dict__[name]
-        return copied
+    # What was computed from the fields is neither copied, since a copy may be changed, nor pickled: arrays come back
+    # from there writable.
+
+    def __copy__(self) -> Self:
+        return _only_fields(super().__copy__())
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return _only_fields(super().__deepcopy__(memo))
+
+    def __getstate__(self) -> dict[Any, Any]:
+        return {**super().__getstate__(), "__dict__": self.fields()}
+
+
+Part = TypeVar("Part", bound=Frozen)
+
+
+def _only_fields(part: Part) -> Part:
+    for name in set(part.__dict__) - set(type(part).model_fields):
+        del part.__dict__[name]
+    return part
 
 
 class FileRoot(Frozen):

@@ -1,4 +1,4 @@
-"""Which of a hand's pads a task uses, and as what contacts."""
+"""The pads of a hand that a task uses, and their contact models."""
 
 from __future__ import annotations
 

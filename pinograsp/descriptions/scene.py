@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -15,9 +15,10 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
+from .. import notebook
 from ..arrays import Array
 from ..disk import digest
-from ..errors import InputError, UnknownNameError, close_names
+from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
 from . import locate
 from .hand import ContactModel
@@ -25,7 +26,7 @@ from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
 from .problems import INTERNAL, input_error
 from .regions import AllOf, Outside, Region
-from .shapes import Shape
+from .shapes import Shape, ShapeDescription
 from .values import (
     ABSENT,
     FileName,
@@ -205,7 +206,10 @@ class Task(Frozen):
     Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
     """
     lock: Table[Name, Number] = Field(default_factory=empty)
-    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve."""
+    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve.
+
+    Whole turns of a continuous joint do not count. A joint may have a range, too, which then has to hold the value.
+    """
     balance_wrench: bool = True
     """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
     start_radius: Positive = 0.3
@@ -276,6 +280,22 @@ class Scene(FileRoot):
             self.__dict__["digest"] = digest(content.encode())
         return self
 
+    def _repr_html_(self) -> str:
+        """Return the bodies and the tasks as tables, as a notebook shows them."""
+        low, high = (_in_brackets(corner) for corner in (self.enclosure.min, self.enclosure.max))
+        bodies = [
+            notebook.row((name, role, _shown(body.shape), _in_brackets(body.pose.position)))
+            for role, named in (("object", self.objects), ("obstacle", self.obstacles))
+            for name, body in named.items()
+        ]
+        tasks = [
+            notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
+            for name, task in self.tasks.items()
+        ]
+        caption = f"Scene {self.name}: enclosure from {low} to {high} m"
+        listed = notebook.table(caption, bodies, ("body", "role", "shape, m", "position, m"))
+        return listed + notebook.table("Tasks", tasks, ("task", "object", "external force, N", "friction"))
+
     def __eq__(self, other: object) -> bool:
         """Whether another scene says the same."""
         return self.to_dict() == other.to_dict() if isinstance(other, Scene) else NotImplemented
@@ -323,7 +343,7 @@ class Scene(FileRoot):
         """
         self._require("object", name, self.objects)
         there = pose if isinstance(pose, Pose) else Pose.of(pose)
-        return self.changed(objects={**self.objects, name: {**self.objects[name].fields(), "pose": there}})
+        return self._with("objects", name, {**self.objects[name].fields(), "pose": there})
 
     def with_object(self, name: str, object: Object) -> Self:
         """Return the scene with an object more, or with another one of a name.
@@ -335,7 +355,7 @@ class Scene(FileRoot):
         Raises:
             InputError: an obstacle has this name, or it is no object.
         """
-        return self.changed(objects={**self.objects, name: object})
+        return self._with("objects", name, object)
 
     def with_obstacle(self, name: str, body: Body) -> Self:
         """Return the scene with an obstacle more, or with another one of a name.
@@ -347,7 +367,7 @@ class Scene(FileRoot):
         Raises:
             InputError: an object has this name, or it is no body.
         """
-        return self.changed(obstacles={**self.obstacles, name: body})
+        return self._with("obstacles", name, body)
 
     def with_task(self, name: str, task: Task | None = None, **changes: Any) -> Self:
         """Return the scene with a task more, or with another one of a name.
@@ -363,8 +383,9 @@ class Scene(FileRoot):
         """
         if task is None:
             task = self.task(name)
-        changed = {**task.fields(), **changes} if changes else task
-        return self.changed(tasks={**self.tasks, name: changed})
+        if changes:
+            require_kind("task", task, Task)
+        return self._with("tasks", name, {**task.fields(), **changes} if changes else task)
 
     def changed(self, **fields: Any) -> Self:
         """Return the scene with some fields replaced, validated as a file is.
@@ -383,6 +404,10 @@ class Scene(FileRoot):
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
+
+    def _with(self, table: str, name: str, part: object) -> Self:
+        require_kind("name", name, str)
+        return self.changed(**{table: {**getattr(self, table), name: part}})
 
     @classmethod
     def _made(cls, content: Mapping[str, Any]) -> Self:
@@ -408,3 +433,13 @@ def load_scene(name: str | Path) -> Scene:
     from .files import read_file  # YAML, which those of a result do not need
 
     return read_file(file, Scene)
+
+
+def _in_brackets(numbers: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{number:g}" for number in numbers) + ")"
+
+
+def _shown(shape: ShapeDescription) -> str:
+    sizes = shape.model_dump(exclude={"type"}).items()
+    shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
+    return ", ".join([shape.type, *shown])

@@ -1,4 +1,4 @@
-"""What URDF parsers pass over or crash on, refused with file and name."""
+"""Checks of a URDF for mistakes that parsers pass over or crash on."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Packed(Generic[Built]):
         return cls(digest(payload), payload)
 
     def built(self) -> Built:
-        """Return what the builder builds: what this thread has kept, or built now."""
+        """Return the object of the builder: kept by this thread, or built now."""
         kept = _kept.by_token
         if self.token not in kept:
             kept[self.token] = pickle.loads(self.payload)()

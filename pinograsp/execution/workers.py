@@ -24,7 +24,7 @@ Outcome = TypeVar("Outcome")
 
 
 class Workers(Protocol):
-    """What runs independent pieces of work; a context manager that ends what it started."""
+    """Runs independent pieces of work; a context manager that ends what it started."""
 
     def begin(self) -> None:
         """Have processes of our own begin now: before this process has threads that a fork would lose."""

@@ -21,7 +21,7 @@ class Cone(Record):
     """
 
     axis: Array
-    """Shape (3,), a unit vector; it may be given in any length."""
+    """Unit vector (length 1), shape (3,), read-only; it may be given in any length."""
     half_angle: float
     """rad."""
 

@@ -61,7 +61,7 @@ def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, toleran
 
 
 def _load(file: Path) -> Pieces | None:
-    """Return what a file holds, or None if it is not there or of no use."""
+    """Return the content of a file, or None if it is not there or of no use."""
     try:
         with file.open("rb") as stream, np.load(stream) as data:
             return tuple(np.split(data["vertices"].reshape(-1, 3), data["ends"][:-1]))

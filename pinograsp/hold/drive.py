@@ -36,7 +36,7 @@ class Drive:
     """Of servos."""
 
     def of(self, slides: bool) -> dict[str, str]:
-        """Return what holds for every joint of a kind."""
+        """Return the attributes of every joint of a kind."""
         inertia = _ARMATURE[slides]
         # Servos are damped critically; what they move weighs little beside their own inertia.
         damping = _DAMPING[slides] if self.stiffness is None else 2.0 * float(np.sqrt(self.stiffness * inertia))

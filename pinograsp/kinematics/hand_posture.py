@@ -1,4 +1,4 @@
-"""What the hand alone can do: how far it opens, and how to hold the pads before a grasp.
+"""Postures of the hand alone: how far it opens, and how to hold the pads before a grasp.
 
 Synergies that move no pad, of fingers that a task does not use, are left where they are nearest to 0.
 """
@@ -22,7 +22,7 @@ GRID = 17
 DRAWS = 1000
 """Random postures that are tried of a hand of more than two synergies, for which a grid has too many."""
 DIRECTION = 0.02
-"""What a pad that points the wrong way counts as, m per rad."""
+"""Weight of a pad that points the wrong way, m per rad."""
 
 
 Allowed = Callable[[Array], bool]

@@ -181,7 +181,7 @@ class Robot:
         raise InputError(problem, file=self.description.source, key=key, remedy=remedy)
 
     def _columns(self) -> list[dict[str, float]]:
-        """Return what the robot file says of the columns of B: joints with their factors."""
+        """Return the columns of B as the robot file has them: joints with their factors."""
         arm, hand = self.description.arm, self.description.hand
         return [*({joint: 1.0} for joint in arm.joints), *(synergy.column for synergy in hand.synergies)]
 

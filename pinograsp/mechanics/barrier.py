@@ -41,7 +41,7 @@ _TINY = 1e-24
 
 
 class Constants(NamedTuple):
-    """What V needs of `ForceLimits`."""
+    """The numbers of `ForceLimits` that V needs."""
 
     alpha: float
     minimum: float
@@ -74,7 +74,7 @@ class ForceLimits:
 
     @cached_property
     def constants(self) -> Constants:
-        """What V needs."""
+        """The numbers that V needs."""
         return Constants(self.alpha, self.minimum, self.maximum, self.kappa)
 
 

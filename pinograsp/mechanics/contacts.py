@@ -29,7 +29,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True)
 class ContactModels:
-    """What the contacts can transmit; constant over a problem."""
+    """Components that the contacts transmit; constant over a problem."""
 
     torsion_radius: Array
     """e of each contact, m, shape (n,); 0 for a hard finger."""

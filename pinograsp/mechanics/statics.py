@@ -29,7 +29,7 @@ RANK_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Hand:
-    """What the statics need to know of a hand; constant over a problem."""
+    """The hand as far as the statics go; constant over a problem."""
 
     synergies: Array
     """S (3), shape (h, s)."""

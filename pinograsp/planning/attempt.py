@@ -66,7 +66,7 @@ def certify(index: int, state: State, verifier: Verifier) -> tuple[Certificate, 
 
 
 def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> Callable[[tuple[int, Array]], Attempt]:
-    """Build, in a worker, what handles starts: number and posture (q_a, sigma) of shape (l + s,)."""
+    """Build, in a worker, the handler of starts: number and posture (q_a, sigma) of shape (l + s,)."""
     solver, verifier = solver_of(model), verifier_of(model)
     return lambda item: attempt(solver, verifier, *item)
 

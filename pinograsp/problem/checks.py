@@ -1,4 +1,4 @@
-"""Does the task make sense? What can be known before any solve, said with file and key."""
+"""Checks of a task, with robot and scene, that need no solve."""
 
 from __future__ import annotations
 

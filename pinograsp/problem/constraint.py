@@ -61,7 +61,7 @@ class Violation:
     where: str
     """Pad, joint or pair of bodies that is worst; may be empty."""
     size: float
-    """What it weighs, as so many millimetres: compares violations of different units."""
+    """Its weight, as so many millimetres: compares violations of different units."""
 
 
 class Constraint(Protocol):

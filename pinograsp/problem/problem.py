@@ -148,7 +148,7 @@ class GraspProblem:
 
 
 def _made(makers: Iterable[Callable[[TaskModel], Part | None]], model: TaskModel) -> tuple[Part, ...]:
-    """Return what the task asks for."""
+    """Return the terms that the task asks for."""
     return tuple(part for make in makers if (part := make(model)) is not None)
 
 

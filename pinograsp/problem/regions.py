@@ -1,4 +1,4 @@
-"""Can a contact region be touched at all? Looked at on points spread over the object's surface."""
+"""Check that a contact region can be touched at all, on points spread over the object's surface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stays the same over all points of a task."""
+"""A task as its problem sees it: all that does not depend on Q."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .preferences import approach_cone, parameter_limits, posture_bounds
 
 
 class TaskModel:
-    """What stays the same over all points of a task: robot, geometry, load, limits."""
+    """All of a task that does not depend on Q: robot, geometry, load, limits."""
 
     def __init__(self, robot: Robot, scene: Scene, task_name: str) -> None:
         self.scene, self.task_name = scene, task_name

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from rich.markup import escape
-from rich.table import Table
-
-from ..tables import GAP, new_table, numbers, words
+from ..tables import GAP, Table
 from ..verification.certificate import Figure, PairClearance
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Contact, Grasp
@@ -65,12 +62,12 @@ def list_table(
         [str(number_of[id(grasp)]), f"{starts}x", *(c.cell(numbers_of(grasp)) for c in columns.values())]
         for grasp, starts in shown
     ]
-    table = new_table(title)
-    numbers(table, *headings)
-    table.add_column(" arm joints\n °", no_wrap=True)
+    table = Table(title)
+    table.numbers(*headings)
+    table.lines(" arm joints\n °")
     taken = sum(max(map(_width, column)) + GAP for column in zip(headings, *rows, strict=True))
     for (grasp, _), row in zip(shown, rows, strict=True):
-        table.add_row(*row, angle_lines(grasp.q_arm, width - taken))
+        table.add(*row, angle_lines(grasp.q_arm, width - taken))
     return table
 
 
@@ -87,15 +84,15 @@ def angle_lines(angles: Iterable[float], room: int) -> str:
 
 
 def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
-    """Return a table of figures of a certificate with their limits; what does not hold has a mark, and is red."""
-    table = new_table(title)
-    numbers(table, "")
-    words(table, "figure")
-    numbers(table, "value", "limit")
-    words(table, "where")
+    """Return a table of figures of a certificate with their limits; what does not hold has a mark."""
+    table = Table(title)
+    table.numbers("")
+    table.words("figure")
+    table.numbers("value", "limit")
+    table.words("where")
     for figure in figures:
         cells = ("" if figure.holds else "!", figure.name, figure.shown_value, figure.shown_limit)
-        table.add_row(*cells, escape(figure.where), style=None if figure.holds else "red")
+        table.add(*cells, figure.where, color="" if figure.holds else "red")
     return table
 
 
@@ -104,24 +101,24 @@ def clearances_table(clearances: Iterable[PairClearance], title: str = "") -> Ta
 
     The kinds of clearances go by their first word, `self` for `self clearance`.
     """
-    table = new_table(title)
-    numbers(table, "mm")
-    words(table, "between", "kind")
+    table = Table(title)
+    table.numbers("mm")
+    table.words("between", "kind")
     for pair in clearances:
         distance = f"{1e3 * pair.distance:z.1f}" if math.isfinite(pair.distance) else "overlap"
-        table.add_row(distance, f"{escape(pair.link)} / {escape(pair.other)}", pair.name.removesuffix(" clearance"))
+        table.add(distance, f"{pair.link} / {pair.other}", pair.name.removesuffix(" clearance"))
     return table
 
 
 def contacts_table(contacts: Iterable[Contact], title: str = "") -> Table:
     """Return a table of contacts: points in mm in the world, forces in N, spin torques in N mm."""
-    table = new_table(title)
-    words(table, "pad")
-    numbers(table, "contact point\nmm", "force on the object\nN", "spin\nN mm")
+    table = Table(title)
+    table.words("pad")
+    table.numbers("contact point\nmm", "force on the object\nN", "spin\nN mm")
     for contact in contacts:
         point = "".join(f"{1e3 * x:8.1f}" for x in contact.point)
         force = "".join(f"{x:7.2f}" for x in contact.force)
-        table.add_row(escape(contact.pad), point, force, f"{1e3 * contact.spin_torque:.1f}")
+        table.add(contact.pad, point, force, f"{1e3 * contact.spin_torque:.1f}")
     return table
 
 

@@ -90,7 +90,7 @@ class LocalSolver:
 
 
 def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:
-    """Return what a start came to.
+    """Return the outcome of a start.
 
     Args:
         index: number of the start.

@@ -1,4 +1,4 @@
-"""What an SRDF would say of pairs of links, found on the original meshes where one is missing.
+"""Allowed pairs of links where no SRDF says so, found on the original meshes.
 
 Written apart from `collision.allowed_pairs`, which looks at the optimiser's convex pieces: what a certificate need not
 show is decided by what it measures.

@@ -1,4 +1,4 @@
-"""What wrenches a set of contacts balances: second-order cone programs on plain arrays.
+"""Wrenches that a set of contacts balances: second-order cone programs on plain arrays.
 
 Point j of the footprint of contact i transmits a force f_j and, for a soft finger, a spin torque m_j about the pad's
 outward normal n. With f_n = n . f_j, f_t the rest of f_j, e the torsional friction radius and F_i the sum of the f_j of
@@ -28,7 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import clarabel
@@ -51,7 +51,7 @@ _IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.Alm
 
 @dataclass(frozen=True)
 class Limits:
-    """What contact forces keep to."""
+    """Limits of contact forces."""
 
     friction: float
     """mu."""
@@ -77,6 +77,7 @@ class ContactPoints:
     """Torque of the drive per newton of f_j along x, y, z and per newton metre of m_j, shape (p, 4)."""
 
 
+@cache
 def _settings(careful: bool) -> Any:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -145,7 +146,7 @@ class BalanceProblem:
         return found
 
     def margin(self, wrench: Array) -> float:
-        """Return what is left in every inequality when the wrench is balanced, N; negative if it cannot be.
+        """Return the slack left in every inequality when the wrench is balanced, N; negative if it cannot be.
 
         It is infinite where friction locks the fingers, and not a number where the solver fails.
 
@@ -245,7 +246,7 @@ class _Cones:
 
 
 def _first_found(solve: Callable[[float], Array]) -> Array:
-    """Return what is solved for the wrench, or for one next to it where the solver gives up.
+    """Return the solution for the wrench, or for one next to it where the solver gives up.
 
     It is not a number where the solver always does.
 
@@ -272,41 +273,90 @@ def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive:
         growth: g and h of each program, shape (programs, r + m).
         positive: whether a may not be negative.
     """
-    rows_of_growth = growth
-    programs, (equations, n), more = len(growth), E.shape, int(positive)
-    lines, others = cones.half_lines, len(cones.rows) - cones.half_lines
-    block = np.concatenate([np.vstack([E, -cones.rows]), np.ones((equations + lines + others, 1))], axis=1)
-    if positive:  # a row below E: -a <= 0
-        block = np.insert(block, equations, np.eye(1, n + 1, n), axis=0)
-        growth = np.insert(growth, equations, -1.0, axis=1)
-    column, row = np.nonzero(block.T)
-    data = np.tile(block[row, column], (programs, 1))
-    data[:, column == n] = growth
-    # All equations first, then all half-lines, then the second-order cones of program after program.
-    parts = (equations, lines + more, others)
-    begins = np.cumsum([0, *[part * programs for part in parts]])
-    kind = np.repeat(np.arange(3), parts)
-    within = np.concatenate([np.arange(part) for part in parts])
-    place = (begins[kind] + within) + np.arange(programs)[:, None] * np.array(parts)[kind]
-    starts = np.append(np.searchsorted(column, np.arange(n + 1)) + np.arange(programs)[:, None] * len(row), data.size)
-    A = sparse.csc_matrix((data.ravel(), place[:, row].ravel(), starts), shape=(begins[-1], programs * (n + 1)))
-    b = np.empty(begins[-1])
-    b[place] = np.concatenate([load, np.zeros(more), cones.offsets])
-    q = np.zeros(programs * (n + 1))
-    q[n :: n + 1] = -1.0
-    kinds = [clarabel.ZeroConeT(begins[1]), clarabel.NonnegativeConeT(begins[2] - begins[1])]
-    kinds += [clarabel.SecondOrderConeT(size) for size in cones.sizes] * programs
+    programs, equations = len(growth), len(E)
+    more = int(positive)  # a row below E: -a <= 0
+    block = np.vstack([E, np.zeros((more, E.shape[1])), -cones.rows])
+    sides = np.concatenate([load, np.zeros(more), cones.offsets])
+    last = np.hstack([growth[:, :equations], np.full((programs, more), -1.0), growth[:, equations:]])
+    used = block != 0.0
+    pattern = _pattern(used.tobytes(), used.shape, equations, cones.half_lines + more, cones.sizes, programs)
+    A, b = pattern.filled(block.T[used.T], last, sides)
     for careful in (False, True):
-        P, settings = sparse.csc_matrix((len(q), len(q))), _settings(careful)
-        solution = clarabel.DefaultSolver(P, q, A, b, kinds, settings).solve()
+        solver = clarabel.DefaultSolver(pattern.P, pattern.q, A, b, pattern.kinds, _settings(careful))
+        solution = solver.solve()
         if solution.status in _UNBOUNDED:
             break
         if solution.status in _SOLVED:
-            found = np.asarray(solution.x)[n :: n + 1]
+            found = np.asarray(solution.x)[pattern.q < 0.0]
             return np.maximum(found, 0.0) if positive else found
     if positive and solution.status in _IMPOSSIBLE:
         return np.zeros(programs)
     if programs > 1:  # one that is unbounded, or fails, says nothing of the others
-        each = [_maximised(E, load, cones, one[None], positive=positive) for one in rows_of_growth]
+        each = [_maximised(E, load, cones, one[None], positive=positive) for one in growth]
         return np.concatenate(each)
     return np.array([math.inf if solution.status in _UNBOUNDED else math.nan])
+
+
+@dataclass(frozen=True)
+class _Pattern:
+    """Programs of one structure side by side, as Clarabel takes them: min q y with A y + s = b, s in the cones.
+
+    y is x and a of program after program; rows are all equations first, then all half-lines, then the second-order
+    cones of program after program.
+    """
+
+    P: Any
+    q: Array
+    kinds: list[Any]
+    indices: Indices
+    """Row of every number of A, column after column."""
+    starts: Indices
+    """First number of each column of A."""
+    place: Indices
+    """Row of A for every row of every program, shape (programs, rows)."""
+
+    def filled(self, block: Array, growth: Array, sides: Array) -> tuple[Any, Array]:
+        """Return A and b.
+
+        Args:
+            block: the numbers of a program's block without its last column, column after column.
+            growth: last column of each program, shape (programs, rows).
+            sides: right-hand side of a program, shape (rows,).
+        """
+        programs = len(self.place)
+        data = np.concatenate([np.broadcast_to(block, (programs, len(block))), growth], axis=1)
+        shape = (self.place.size, len(self.q))
+        b = np.empty(self.place.size)
+        b[self.place] = sides
+        return sparse.csc_matrix((data.ravel(), self.indices, self.starts), shape=shape), b
+
+
+@lru_cache(maxsize=64)
+def _pattern(
+    used: bytes, shape: tuple[int, int], equations: int, lines: int, sizes: tuple[int, ...], programs: int
+) -> _Pattern:
+    """Return the pattern of programs; most grasps of a task have the same one.
+
+    Args:
+        used: which numbers of a program's block without its last column are not zero.
+        shape: of that block.
+        equations: its first rows.
+        lines: half-lines, its next rows.
+        sizes: rows of each second-order cone, its last rows.
+        programs: their number.
+    """
+    (rows, n), full = shape, np.ones((shape[0], 1), dtype=bool)
+    block = np.hstack([np.frombuffer(used, dtype=bool).reshape(shape), full])
+    column, row = np.nonzero(block.T)
+    parts = np.array([equations, lines, rows - equations - lines])
+    begins = np.cumsum([0, *(parts * programs)])
+    kind = np.repeat(np.arange(3), parts)
+    within = np.concatenate([np.arange(part) for part in parts])
+    place = (begins[kind] + within) + np.arange(programs)[:, None] * parts[kind]
+    firsts = np.searchsorted(column, np.arange(n + 1)) + np.arange(programs)[:, None] * len(row)
+    q = np.zeros(programs * (n + 1))
+    q[n :: n + 1] = -1.0
+    kinds = [clarabel.ZeroConeT(equations * programs), clarabel.NonnegativeConeT(lines * programs)]
+    kinds += [clarabel.SecondOrderConeT(size) for size in sizes] * programs
+    starts = np.append(firsts, programs * len(row))
+    return _Pattern(sparse.csc_matrix((len(q), len(q))), q, kinds, place[:, row].ravel(), starts, place)

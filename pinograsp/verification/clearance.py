@@ -1,9 +1,9 @@
 """Distances of the robot to the walls, to bodies of the scene and to itself, mesh by mesh.
 
-Except for the walls, a clearance is measured up to 50 mm (or twice its limit, if that is more): a value
-of 0.05 says "at least 0.05 m". Pairs are measured in the order of a lower bound from bounding spheres, each
-only as far as it could still be the least. A distance is exact while the bodies are apart; where they
-intersect and no exact depth is known it is -inf.
+Except for the walls, a clearance is measured up to 50 mm (or twice its limit, if that is more): a value of 0.05 says
+"at least 0.05 m". Pairs are measured in the order of a lower bound from bounding spheres, each only as far as it could
+still be the least; where the convex hulls are that far apart, the meshes are not looked at. A distance is exact while
+the bodies are apart; where they intersect and no exact depth is known it is -inf.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ ShapePair = tuple[LinkMesh, PlacedShape]
 CAP = 0.05
 """Clearances are measured up to this distance, m."""
 
+_HULL_ERROR = 1e-5
+"""More than the error of a distance of convex hulls, m."""
 _REQUEST = coal.DistanceRequest()
 _REQUEST.enable_signed_distance = False  # depths of meshes mean nothing
 
@@ -115,9 +117,13 @@ def shape_distance(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: flo
 
     It is -inf where the mesh enters the innermost core of the shape.
     """
+    placement = placed.placements[mesh.link]
+    if most > 0.0 and _apart(
+        mesh.hull_solid, placement, shape.cores[0].solid, shape.placement, most + shape.cores[0].inset
+    ):
+        return most
     if mesh.surrounds(placed.to_link(mesh.link, shape.center[None])):
         return -math.inf
-    placement = placed.placements[mesh.link]
     for core in shape.cores:
         # The bound stays above zero, which would read as an intersection.
         bound = max(most, 0.0) + core.inset + PENETRATION
@@ -134,7 +140,10 @@ def mesh_distance(first: LinkMesh, second: LinkMesh, placed: Placed, most: float
 
     It is -inf where they intersect or one surrounds the other.
     """
-    distance = _distance(first.solid, placed.placements[first.link], second.solid, placed.placements[second.link], most)
+    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
+    if most > 0.0 and _apart(first.hull_solid, T_first, second.hull_solid, T_second, most):
+        return most
+    distance = _distance(first.solid, T_first, second.solid, T_second, most)
     if distance <= 0.0 or _one_in_other(first, second, placed) or _one_in_other(second, first, placed):
         return -math.inf
     return distance
@@ -143,6 +152,14 @@ def mesh_distance(first: LinkMesh, second: LinkMesh, placed: Placed, most: float
 def _one_in_other(inner: LinkMesh, outer: LinkMesh, placed: Placed) -> bool:
     points = placed.to_world(inner.link, inner.members)
     return outer.surrounds(placed.to_link(outer.link, points))
+
+
+def _apart(first: Any | None, T_first: Any, second: Any | None, T_second: Any, most: float) -> bool:
+    """Whether two convex bodies, where both are known, are at least `most` apart; a mesh is no nearer than its hull."""
+    if first is None or second is None:
+        return False
+    apart = coal.distance(first, T_first, second, T_second, _REQUEST, coal.DistanceResult())
+    return float(apart) >= most + _HULL_ERROR
 
 
 def _distance(first: Any, T_first: Any, second: Any, T_second: Any, most: float) -> float:

@@ -66,7 +66,7 @@ class Pads:
         return np.asarray(np.einsum("pji,pj->pi", self.rotations, points - self.origins))
 
     def faces(self, points: Array) -> list[Array]:
-        """Return what of pad i lies in its tangent plane nearest to world point i; world, shape (k, 3) each, m."""
+        """Return the part of pad i in its tangent plane nearest to world point i; world, shape (k, 3) each, m."""
         local = zip(self.pads, self.to_pads(points), self.rotations, self.origins, strict=True)
         return [contact_face(pad.patch, point) @ R.T + origin for pad, point, R, origin in local]
 

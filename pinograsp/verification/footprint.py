@@ -88,7 +88,7 @@ def _interval(line: Array, direction: Array) -> tuple[float, float]:
 
 
 def _overlap(first: Array, second: Array) -> Array:
-    """Return what two lines have in common, shape (1 or 2, 2)."""
+    """Return the common part of two lines, shape (1 or 2, 2)."""
     d, e = _direction(first), _direction(second)
     if d is None or e is None or abs(d[0] * e[1] - d[1] * e[0]) > math.sin(PARALLEL):
         return np.zeros((1, 2))
@@ -103,7 +103,7 @@ def _line(low: float, high: float, direction: Array) -> Array:
 
 
 def _clipped_line(line: Array, polygon: Array) -> Array:
-    """Return what a line and a polygon have in common, shape (1 or 2, 2)."""
+    """Return the common part of a line and a polygon, shape (1 or 2, 2)."""
     d, area = _direction(line), _area(polygon)
     if d is None or abs(area) < _AREA:
         return np.zeros((1, 2))
@@ -122,7 +122,7 @@ def _clipped_line(line: Array, polygon: Array) -> Array:
 
 
 def _clipped_polygon(polygon: Array, by: Array) -> Array:
-    """Return what two polygons have in common, shape (k, 2); the first may have many corners."""
+    """Return the common part of two polygons, shape (k, 2); the first may have many corners."""
     own, sides = _sides(polygon), _sides(by)
     if own is None or sides is None:
         return np.zeros((1, 2))

@@ -14,6 +14,7 @@ from zipfile import BadZipFile
 
 import coal
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from ..arrays import Array, Integers
 from ..disk import cache_folder, digest, write_whole
@@ -51,6 +52,18 @@ class LinkMesh:
     def solid(self) -> Any:
         """Coal's tree of the triangles; made when a distance is first measured."""
         return _tree(self.vertices, self.faces)
+
+    @cached_property
+    def hull_solid(self) -> Any | None:
+        """Coal's convex hull; None where Qhull or Coal makes none: flat, or a corner with hundreds of neighbours."""
+        corners, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+        try:
+            for triangle in ConvexHull(self.hull).simplices.tolist():
+                triangles.append(coal.Triangle(*triangle))
+            corners.extend(self.hull)
+            return coal.Convex(corners, triangles)
+        except (QhullError, RuntimeError):
+            return None
 
     def surrounds(self, points: Array) -> bool:
         """Whether one of the points, shape (n, 3), link frame, lies in what the mesh encloses.
@@ -109,7 +122,7 @@ _KEPT = tuple(field.name for field in fields(LinkMesh) if field.name != "link")
 
 
 def _load(file: Path, link: str) -> LinkMesh | None:
-    """Return what a file holds, or None if it is not there or of no use."""
+    """Return the content of a file, or None if it is not there or of no use."""
     try:
         with file.open("rb") as stream, np.load(stream) as data:
             arrays = {name: data[name] for name in _KEPT if name != "hull_faces"}

@@ -65,7 +65,7 @@ _NEAREST: dict[type, Callable[[Any, Array], tuple[float, Array]]] = {
 
 
 def contact_face(patch: Any, point: Array) -> Array:
-    """Return what of a patch lies in its tangent plane where it is nearest to a point; patch frame, shape (k, 3).
+    """Return the part of a patch in its tangent plane where it is nearest to a point; patch frame, shape (k, 3).
 
     A point (sphere), the ends of a line (cylinder, line without width) or the corners of a rectangle in order, m.
     """

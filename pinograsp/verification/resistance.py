@@ -59,7 +59,7 @@ class Hold:
     """A grasp as far as its resistance to wrenches goes."""
 
     problem: BalanceProblem
-    """What its contacts balance while the squeeze stays as planned."""
+    """The wrenches that its contacts balance while the squeeze stays as planned."""
     load: Array
     """The wrench on the object that the planned forces balance: force and torque about the centre of mass, (6,)."""
 
@@ -81,7 +81,7 @@ def hold_of(
     center_of_mass: Array,
     radius: float,
 ) -> Hold:
-    """Return what a claim says about resistance.
+    """Return the resistance problem of a claim.
 
     Args:
         claim: contact points, planned forces and spin torques.
@@ -125,7 +125,7 @@ def _exerted(claim: Claim, normals: Array) -> Array:
 
 
 def _felt(exerted: Array, rates: Sequence[Array]) -> Array:
-    """Return what the drives feel of forces and torques about the world's origin, shape (synergies,)."""
+    """Return the drive torques of forces and torques about the world's origin, shape (synergies,)."""
     return np.asarray(np.einsum("isk,ik->s", np.array(rates), exerted))
 
 

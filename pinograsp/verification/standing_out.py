@@ -1,4 +1,4 @@
-"""What of a pad's own link stands out beside the pad: it may touch the object no more than another link may.
+"""The part of a pad's own link that stands out beside the pad: it may touch the object no more than another link may.
 
 A convex object that is tangent to a pad lies wholly above the pad's tangent plane. Of a flat pad that is the pad's own
 plane, so what of the link is flush with it or behind it cannot be touched, and counts as rubber or its backing. What is
@@ -31,7 +31,7 @@ Placed = tuple[str, Patch]
 
 @remembered
 def standing_out(robot: VerifiedRobot, pads: tuple[Placed, ...]) -> dict[str, LinkMesh]:
-    """Return what stands out of the links with pads, by link; links of which nothing does are left out.
+    """Return the parts that stand out of the links with pads, by link; links of which nothing does are left out.
 
     Args:
         robot: its meshes.

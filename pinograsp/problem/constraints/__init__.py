@@ -27,6 +27,6 @@ CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     joint_limits,
     Clearance,
 ]
-"""What makes each constraint of a task, in the order of their rows; None where the task does not ask for it."""
+"""Maker of each constraint of a task, in the order of their rows; None where the task does not ask for it."""
 
 __all__ = ["CONSTRAINTS"]

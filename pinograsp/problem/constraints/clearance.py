@@ -27,7 +27,7 @@ from ..state import State
 from ..task_model import TaskModel
 
 NEAR = 0.015
-"""What a distance has above its margin enters unchanged below this, m."""
+"""A distance less its margin enters unchanged below this, m."""
 SMOOTHING = 0.0003
 """rho of the smooth minimum, m: it lies at most rho log(pairs) below the minimum."""
 

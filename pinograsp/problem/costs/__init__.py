@@ -13,6 +13,6 @@ COSTS: list[Callable[[TaskModel], Cost | None]] = [
     DesiredContacts,
     ForceCost,
 ]
-"""What makes each cost of a task, in the order of their sum; None where the task does not ask for it."""
+"""Maker of each cost of a task, in the order of their sum; None where the task does not ask for it."""
 
 __all__ = ["COSTS"]

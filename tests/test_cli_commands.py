@@ -1,0 +1,271 @@
+"""Commands on results and on configurations of the user's own, against what Python says of the same."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import pinograsp
+from pinograsp import Result, Robot, Scene, cli
+
+Run = Callable[..., tuple[int, str, str]]
+NAMES = "glovebox_sphere_gen3_2f85"
+HAND = "robotiq_85_left_knuckle_joint"
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def run_once(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out, captured.err
+
+    return run_once
+
+
+@pytest.fixture(scope="module")
+def result(gen3: Robot, glovebox: Scene) -> Result:
+    return pinograsp.plan(gen3, glovebox, "sphere", starts=12, workers=1)
+
+
+@pytest.fixture(scope="module")
+def file(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    written = tmp_path_factory.mktemp("results") / "result.json"
+    pinograsp.write_json(result, written)
+    return written
+
+
+def refused(outcome: tuple[int, str, str]) -> str:
+    """Require exit code 2, one line of error and nothing else; return the line."""
+    code, output, errors = outcome
+    assert (code, output, errors.count("\n")) == (2, "", 1)
+    assert errors.startswith("error: ")
+    return errors
+
+
+# ---- rank
+
+
+def rows(output: str) -> list[int]:
+    """Return the numbers of the grasps in a table, in its order."""
+    return [int(line.split()[0]) for line in output.splitlines() if re.match(r" *\d+ +\d+x ", line)]
+
+
+def numbers(result: Result, grasps: tuple[pinograsp.Grasp, ...]) -> list[int]:
+    of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
+    return [of[id(grasp)] for grasp in grasps]
+
+
+@pytest.mark.parametrize("by", ["score", "U", "clearance", "contact gap"])
+def test_rank(run: Run, result: Result, file: Path, by: str) -> None:
+    code, output, errors = run("rank", file, "--by", by, "--all")
+    assert (code, errors) == (0, "")
+    assert rows(output) == numbers(result, result.ranked(by))
+    assert f"by {by}" in " ".join(output.split())
+    code, output, _ = run("rank", file, "--by", by, "--different", 3)
+    assert rows(output) == numbers(result, tuple(shown.grasp for shown in result.different(3, by)))
+
+
+def test_rank_of_the_front(run: Run, result: Result, file: Path) -> None:
+    front = result.pareto(["U", "clearance", "joint reserve"])
+    assert 1 < len(front) < len(result.grasps)
+    for options in (
+        ["--pareto", "U,clearance, joint reserve"],
+        ["--pareto", "U,clearance", "--pareto", "joint reserve"],
+    ):
+        code, output, _ = run("rank", file, *options, "--all")
+        assert code == 0
+        assert rows(output) == numbers(result, front)
+        assert "front of U, clearance, joint reserve" in " ".join(output.split())
+
+
+def test_rank_as_json(run: Run, result: Result, file: Path) -> None:
+    code, output, errors = run("rank", file, "--by", "clearance", "--different", 2, "--json")
+    assert (code, errors) == (0, "")
+    found = json.loads(output)
+    assert {key: found[key] for key in ("robot", "scene", "task", "by", "pareto")} == {
+        "robot": "gen3_2f85",
+        "scene": "glovebox",
+        "task": "sphere",
+        "by": "clearance",
+        "pareto": [],
+    }
+    expected = result.different(2, "clearance")
+    assert [(shown["starts"], shown["grasps"]) for shown in found["different"]] == [shown[1:] for shown in expected]
+    assert [shown["grasp"] for shown in found["different"]] == [shown.grasp.to_json() for shown in expected]
+    assert [shown["number"] for shown in found["different"]] == numbers(result, tuple(s.grasp for s in expected))
+
+
+def test_rank_by_what_there_is_not(run: Run, file: Path) -> None:
+    assert "'clearence' is" not in refused(run("rank", file, "--by", "clearence"))
+    assert "Did you mean clearance" in refused(run("rank", file, "--by", "clearence"))
+    assert "beauty" in refused(run("rank", file, "--pareto", "U,beauty"))
+    assert "nosuch.json: cannot be read: no such file or directory" in refused(run("rank", "nosuch.json"))
+
+
+def test_rank_of_nothing(run: Run, result: Result, tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    pinograsp.write_json(replace(result, grasps=()), tmp_path / "none.json")
+    code, output, _ = run("rank", "none.json")
+    assert (code, output) == (1, "The result has no grasp.\n")
+
+
+# ---- show
+
+
+def test_show(run: Run, result: Result, file: Path, tmp_path: Path) -> None:
+    grasp = result.grasps[1]
+    code, output, errors = run("show", file, "--grasp", 2, "--out", "pages")
+    assert (code, errors) == (0, "")
+    assert output.startswith(f"grasp 2 of {len(result.grasps)}: sphere, gen3_2f85 in glovebox; found by ")
+    assert f"U {grasp.cost.U:.4f}: " in output
+    for name, value in grasp.joints.items():
+        assert re.search(rf"^  {re.escape(name)} +{value:.4f}$", output, flags=re.MULTILINE)
+    for contact in grasp.contacts:
+        assert re.search(rf"^{contact.pad} .* {1e3 * contact.point[0]:.1f} ", output, flags=re.MULTILINE)
+        assert f" {contact.force[1]:.2f} " in output
+    for figure in grasp.certificate.figures:
+        assert figure.name in output
+        assert figure.shown_value in output
+    page = tmp_path / "pages" / f"{NAMES}_grasp2.html"
+    assert output.endswith(f"written: pages/{page.name}\n")
+    assert "<html" in page.read_text()[:1000].lower()
+
+
+def test_show_as_json(run: Run, result: Result, file: Path) -> None:
+    code, output, _ = run("show", file, "--json")
+    names = {"robot": "gen3_2f85", "scene": "glovebox", "task": "sphere", "number": 1}
+    assert code == 0
+    assert json.loads(output) == names | {"grasp": result.grasps[0].to_json()}
+
+
+def test_show_what_there_is_not(run: Run, file: Path) -> None:
+    assert f"--grasp: no grasp 99: there are {12}" in refused(run("show", file, "--grasp", 99))
+    assert "--open: needs a page. Give the folder of the page with --out" in refused(run("show", file, "--open"))
+
+
+# ---- check
+
+
+@pytest.fixture
+def posture(result: Result, tmp_path: Path) -> Path:
+    """Return a file with the joints of the best grasp."""
+    written = tmp_path / "posture.json"
+    written.write_text(json.dumps(dict(result.grasps[0].joints)))
+    return written
+
+
+def test_check_of_a_grasp(
+    run: Run, gen3: Robot, glovebox: Scene, result: Result, posture: Path, tmp_path: Path
+) -> None:
+    code, output, errors = run("check", "glovebox", "--task", "sphere", "--joints", posture, "--out", "out")
+    assert (code, errors) == (0, "")
+    expected = pinograsp.check(gen3, glovebox, "sphere", result.grasps[0].joints)
+    assert expected.verified
+    for figure in expected.certificate.figures:
+        assert figure.name in output
+    assert f"{1e3 * expected.clearances[-1].distance:.1f}" in output
+    assert "\nverified\n" in output
+    files = [f"out/{NAMES}_check.{suffix}" for suffix in ("json", "html")]
+    assert output.endswith("".join(f"written: {file}\n" for file in files))
+    assert json.loads((tmp_path / files[0]).read_text()) == expected.to_json()
+    code, output, errors = run("check", "glovebox", "--task", "sphere", "--joints", posture, "--json")
+    assert (code, errors) == (0, "")
+    assert json.loads(output) == expected.to_json()
+
+
+def test_check_of_no_grasp(run: Run, gen3: Robot, glovebox: Scene, result: Result, posture: Path) -> None:
+    """Values that come later count, in one option or in two."""
+    joints = result.grasps[0].joints
+    moved = {**joints, "joint_2": joints["joint_2"] + 0.5, "joint_4": 0.25}
+    expected = pinograsp.check(gen3, glovebox, "sphere", moved)
+    values = f"joint_2={moved['joint_2']!r}"
+    for options in (
+        ["--joints", f"{posture},{values},joint_4=0.25"],
+        ["--joints", posture, "--joints", values, "--joints", "joint_4=0.25"],
+    ):
+        code, output, _ = run("check", "glovebox", "--task", "sphere", *options, "--json")
+        assert code == 1
+        assert json.loads(output) == expected.to_json()
+    code, output, _ = run("check", "glovebox", "--task", "sphere", *options)
+    assert code == 1
+    refuting = ", ".join(figure.name for figure in expected.certificate.refuted_by)
+    assert output.endswith(f"\nnot verified: {refuting}\n")
+    failing = [line.split()[0] == "!" for line in output.splitlines() if "contact gap" in line and "not" not in line]
+    assert failing == [True]
+
+
+def test_check_of_a_whole_grasp(run: Run, result: Result, tmp_path: Path) -> None:
+    """A grasp as `show --json` or Python writes it holds its joints."""
+    (tmp_path / "grasp.json").write_text(json.dumps(result.grasps[0].to_json()))
+    assert run("check", "glovebox", "--task", "sphere", "--joints", "grasp.json", "--quiet") == (0, "", "")
+
+
+@pytest.mark.parametrize(
+    ("joints", "words"),
+    [
+        ("nosuch.json", "nosuch.json: --joints: cannot be read: no such file or directory"),
+        ("broken.json", "broken.json: --joints: is not valid JSON"),
+        ("list.json", 'list.json: --joints: values by the names of joints are wanted. Write, for example, {"shoulder"'),
+        ("words.json", 'words.json: joint_1: a number is wanted, not "up"'),
+        ("joint_1=up", "--joints: 'joint_1=up' is not JOINT=VALUE"),
+        ("joint_1=nan", "--joints: 'joint_1=nan' is not JOINT=VALUE"),
+        ("joint_1=1.0", "--joints: no value is given for 'joint_2'"),
+        ("joint_99=1.0", "--joints: there is no joint 'joint_99'"),
+    ],
+)
+def test_joints_that_cannot_be_used(run: Run, joints: str, words: str, tmp_path: Path) -> None:
+    for name, text in (("broken", "{"), ("list", "[1.0]"), ("words", '{"joint_1": "up"}')):
+        (tmp_path / f"{name}.json").write_text(text)
+    assert words in refused(run("check", "glovebox", "--task", "sphere", "--joints", joints))
+
+
+# ---- plan, with changes of the scene
+
+
+def test_plan_with_a_locked_joint_and_a_moved_object(run: Run, gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
+    pose = (0.8, 0.06, -0.18, 0.0, 0.0, 0.4)
+    options = ["--starts", 8, "--workers", 1, "--no-html", "--object-pose", "sphere", *pose, "--lock", "joint_7=0.5"]
+    code, output, errors = run("plan", "glovebox", "--task", "sphere", *options)
+    assert (code, errors) == (0, "")
+    found = pinograsp.read_json(tmp_path / "out" / f"{NAMES}.json")
+    assert found.grasps
+    for grasp in found.grasps:
+        assert grasp.joints["joint_7"] == pytest.approx(0.5, abs=1e-6)
+    scene = found.setup.scene
+    assert scene.objects["sphere"].pose == pinograsp.Pose(position=pose[:3], rpy=pose[3:])
+    assert dict(scene.task("sphere").lock) == {"joint_7": 0.5}
+    moved = glovebox.with_object_pose("sphere", pinograsp.Pose(position=pose[:3], rpy=pose[3:]))
+    expected = pinograsp.plan(gen3, moved.with_task("sphere", lock={"joint_7": 0.5}), "sphere", starts=8, workers=1)
+    assert [grasp.start for grasp in expected.grasps] == [grasp.start for grasp in found.grasps]
+    assert math.isclose(expected.grasps[0].cost.U, found.grasps[0].cost.U, rel_tol=1e-9)
+    assert f"{found.verified} of 8 starts verified" in output
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--lock", "joint_7"], "--lock: 'joint_7' is not JOINT=VALUE. Give, for example, elbow=0.5"),
+        (["--lock", "joint_99=0"], "joint_99"),
+        (["--lock", f"{HAND}=9"], HAND),
+        (["--object-pose", "cube", 0, 0, 0, 0, 0, 0], "'cube'"),
+        (["--object-pose", "sphere", 0, 0, 0, 0, 0], "--object-pose"),
+        (["--object-pose", "sphere", 0, 0, "up", 0, 0, 0], "--object-pose"),
+        (["--object-pose", "sphere", 5, 0, 0, 0, 0, 0], "outside the enclosure"),
+    ],
+    ids=lambda value: " ".join(map(str, value[:3])) if isinstance(value, list) else "",
+)
+def test_changes_that_cannot_be_made(run: Run, options: list[object], words: str) -> None:
+    assert words in refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, "--starts", 1, *options))
