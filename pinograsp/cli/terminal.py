@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import shutil
@@ -61,7 +62,8 @@ class Terminal:
             _write(f"{typer.style('warning:', fg='yellow')} {line}", error=True)
 
     def progress(self) -> contextlib.AbstractContextManager[Report]:
-        """Return what shows progress while its block goes on."""
+        """Return what shows progress while its block goes on: from here on there is work, and garbage to collect."""
+        gc.enable()
         return reporter(quiet=self._quiet, terminal=_is_terminal(sys.stderr))
 
 
