@@ -24,6 +24,7 @@ from pinograsp import HoldOptions, HoldOutcome, InputError, MissingExtraError, P
 from pinograsp.descriptions import Scene
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
+from pinograsp.hold.library import pillow
 from pinograsp.hold.mjcf import BEHIND, OBJECT, HandAndObject
 from pinograsp.hold.simulation import Simulation
 from pinograsp.hold.write import write_mjcf
@@ -262,8 +263,14 @@ def test_ctrl_c_gives_what_is_done(result: Result) -> None:
 
 def test_without_mujoco(grasp: Grasp, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingExtraError, match=r"pip install 'pinograsp\[hold\]'"):
+    with pytest.raises(MissingExtraError, match=r"^the hold test needs MuJoCo. Run pip install 'pinograsp\[hold\]'$"):
         hold_test(grasp)
+
+
+def test_without_pillow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(MissingExtraError, match=r"^a film needs Pillow. Run pip install 'pinograsp\[hold\]'$"):
+        pillow()
 
 
 @pytest.mark.parametrize(
@@ -284,7 +291,7 @@ def test_options_that_make_no_sense(wrong: dict[str, Any], key: str) -> None:
 def test_input_that_cannot_be_used(grasp: Grasp, make_grasp: MakeGrasp) -> None:
     with pytest.raises(InputError, match="best"):
         hold_test(grasp, 0)
-    with pytest.raises(InputError, match="start 7"):
+    with pytest.raises(InputError, match=r"^grasp: belongs to no result"):
         hold_test(replace(grasp, setup=None))
     with pytest.raises(InputError, match=r"objects\.ball\.mass"):
         hold_test(make_grasp(wrench={"force": [0.0, 0.0, 0.0]}), workers=1)

@@ -10,7 +10,7 @@ from pinograsp import Grasp, InputError, Planner, Progress, Result, Robot, Scene
 
 
 def told(progress: Progress) -> None:
-    print(progress.done, progress.total, progress.verified, f"{progress.best_U:.3f}")
+    print(progress.stage, progress.done, progress.total, progress.numbers.get("verified"), progress)
 
 
 def planned(robot: Robot, scene: Scene, task: str) -> Result:
@@ -54,7 +54,7 @@ def reported(file: Path) -> None:
 def own_configurations(robot: Robot, scene: Scene) -> None:
     with Planner(robot, scene) as planner:
         for grasp in planner.grasps("sphere", most=2, deadline=1.0):
-            checked = planner.check(grasp.joints, "sphere")
+            checked: pinograsp.ConfigurationCheck = planner.check(grasp.joints, "sphere")
             print(checked.verified, checked.certificate.refuted_by)
             for pair in checked.clearances:
                 print(pair.link, pair.other, pair.distance)
@@ -62,6 +62,23 @@ def own_configurations(robot: Robot, scene: Scene) -> None:
         verifier = pinograsp.Verifier(robot.description, planner.scene, "sphere")
         certificate: pinograsp.Certificate = verifier.check(next(planner.grasps("sphere")).claim)
         print(certificate.verified)
+
+
+def made_in_python() -> Scene:
+    ball = pinograsp.Object(shape=pinograsp.Sphere(radius=0.03), pose=pinograsp.Pose(position=(0.5, 0.0, 0.3)))
+    task = pinograsp.Task(
+        object="ball",
+        desired_contacts=((0.03, 0.0, 0.0), (-0.03, 0.0, 0.0)),
+        wrench=pinograsp.Wrench(force=(0.0, 0.0, -1.0)),
+        contact=pinograsp.ContactConstants(friction=0.5),
+        margin=pinograsp.Margins(enclosure=0.01),
+        lock={"joint_7": 0.0},
+    )
+    enclosure = pinograsp.Enclosure(min=(-0.5, -0.5, 0.0), max=(0.9, 0.5, 0.9))
+    scene = Scene(name="mine", enclosure=enclosure, objects={"ball": ball}, tasks={"hold": task})
+    post = pinograsp.Body(shape=pinograsp.Box(size=(0.05, 0.05, 0.4)), pose=pinograsp.Pose(position=(0.3, 0.3, 0.2)))
+    scene = scene.with_obstacle("post", post).with_object_pose("ball", np.eye(4))
+    return Scene.from_dict(scene.with_task("hold", withstand=2.0).to_dict())
 
 
 def databases(robot: Robot, scene: Scene, folder: Path) -> None:
@@ -79,6 +96,8 @@ def main() -> None:
     print(pinograsp.__version__, sorted(pinograsp.shipped_robots()), sorted(pinograsp.shipped_scenes()))
     try:
         robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene(Path("glovebox"))
+    except pinograsp.FileError as error:
+        raise SystemExit(f"{error.file}: {error.problem}") from None
     except InputError as error:
         raise SystemExit(f"{error.file}: {error.key}: {error.problem}. {error.remedy}") from None
     print(scene.task("sphere").desired_contacts, scene.objects["sphere"].pose.matrix)

@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..disk import write_whole
 from ..errors import InputError
 from ..results import Grasp
-from .library import mujoco
+from .library import mujoco, pillow
 from .mjcf import OBJECT, TIMESTEP, HandAndObject
 from .options import HoldOptions
 from .simulation import LOOK_STEPS, Simulation
@@ -81,6 +81,7 @@ class _Camera:
     """
 
     def __init__(self, across: Array) -> None:
+        self._pillow = pillow()
         self._library, self._context = mujoco(), _context()
         self._across = across
         self._drawing: tuple[Any, Any] | None = None
@@ -107,8 +108,6 @@ class _Camera:
         return stream.getvalue()
 
     def _frame(self, simulation: Simulation) -> Any:
-        from PIL import Image, ImageDraw
-
         library, (width, height) = self._library, _SIZE
         scene, context = self._drawn(simulation.model)
         camera, options = library.MjvCamera(), library.MjvOption()
@@ -121,8 +120,8 @@ class _Camera:
         view, pixels = library.MjrRect(0, 0, width, height), np.empty((height, width, 3), dtype=np.uint8)
         library.mjr_render(view, scene, context)
         library.mjr_readPixels(pixels, None, view, context)
-        image = Image.fromarray(pixels[::-1])
-        drawing = ImageDraw.Draw(image)
+        image = self._pillow[0].fromarray(pixels[::-1])
+        drawing = self._pillow[1].Draw(image)
         drawing.text((10, 10), simulation.phase, fill=(20, 20, 20), font_size=20)
         focus = height / 2 / math.tan(math.radians(simulation.model.vis.global_.fovy) / 2)
         for vector, length, colour in ((simulation.acceleration, 0.02, _RED), (simulation.spin, 0.01, _BLUE)):

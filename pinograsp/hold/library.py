@@ -1,4 +1,4 @@
-"""MuJoCo, imported when it is needed."""
+"""Optional libraries, imported when they are needed: MuJoCo, and Pillow for films."""
 
 from __future__ import annotations
 
@@ -18,3 +18,16 @@ def mujoco() -> Any:
     except ImportError:
         raise MissingExtraError("the hold test", "MuJoCo", "hold") from None
     return library
+
+
+def pillow() -> Any:
+    """Return the modules Image and ImageDraw of Pillow.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError:
+        raise MissingExtraError("a film", "Pillow", "hold") from None
+    return Image, ImageDraw
