@@ -1,4 +1,4 @@
-"""The whole command line, and what becomes of errors: one line each, and an exit code."""
+"""The whole command line: all commands, and an exit code and one line for every error."""
 
 from __future__ import annotations
 

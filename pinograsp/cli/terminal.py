@@ -1,4 +1,4 @@
-"""What a command writes: its finding on standard output, progress and warnings on standard error, and files."""
+"""The terminal of a command: its finding goes to standard output, progress and warnings go to standard error."""
 
 from __future__ import annotations
 
