@@ -1,4 +1,4 @@
-"""How far a piece of work is: what everything reports that takes longer than a second."""
+"""Progress of a piece of work, reported by everything that takes longer than a second."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a piece of work is."""
+    """The state of a piece of work that goes on."""
 
     stage: str
     """The work: compiling, convex pieces, start database, sorting, starts, resistance, certificates, ..."""

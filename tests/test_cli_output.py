@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
 import os
@@ -288,6 +289,15 @@ def test_no_thread_shows_progress() -> None:
     with reporters.reporter(quiet=False, terminal=True) as report:
         report(Progress("starts", 1, 4))
         assert threading.active_count() == before
+
+
+def test_garbage_is_collected_while_there_is_work(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not while modules are loaded and files are read, where there is none."""
+    seen: list[bool] = []
+    monkeypatch.setattr(pinograsp, "verify", lambda *_: seen.append(gc.isenabled()) or ())
+    monkeypatch.setattr(pinograsp, "read_json", lambda _: seen.append(gc.isenabled()) or result)
+    run("verify", "result.json")
+    assert (seen, gc.isenabled()) == ([False, True], True)
 
 
 # ---- tables

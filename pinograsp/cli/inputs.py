@@ -1,4 +1,4 @@
-"""What commands read: scenes with what the command line changes in them, robots, results and their grasps."""
+"""Inputs of commands: scenes with what the command line changes in them, robots, grasps of results."""
 
 from __future__ import annotations
 

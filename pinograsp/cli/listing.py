@@ -1,4 +1,4 @@
-"""What comes with pinograsp: `pinograsp list` and `pinograsp schema`."""
+"""The command line of what comes along: `pinograsp list` and `pinograsp schema`."""
 
 from __future__ import annotations
 

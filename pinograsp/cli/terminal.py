@@ -1,8 +1,9 @@
-"""What a command writes: its finding on standard output, progress and warnings on standard error, and files."""
+"""The terminal of a command: its finding goes to standard output, progress and warnings go to standard error."""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import shutil
@@ -61,7 +62,8 @@ class Terminal:
             _write(f"{typer.style('warning:', fg='yellow')} {line}", error=True)
 
     def progress(self) -> contextlib.AbstractContextManager[Report]:
-        """Return what shows progress while its block goes on."""
+        """Return what shows progress while its block goes on: from here on there is work, and garbage to collect."""
+        gc.enable()
         return reporter(quiet=self._quiet, terminal=_is_terminal(sys.stderr))
 
 
