@@ -102,7 +102,9 @@ def test_rank_as_json(run: Run, result: Result, file: Path) -> None:
         "pareto": [],
     }
     expected = result.different(2, "clearance")
-    assert [(shown["starts"], shown["grasps"]) for shown in found["different"]] == [shown[1:] for shown in expected]
+    assert [(shown["starts"], shown["grasp_count"]) for shown in found["different"]] == [
+        shown[1:] for shown in expected
+    ]
     assert [shown["grasp"] for shown in found["different"]] == [shown.grasp.to_json() for shown in expected]
     assert [shown["number"] for shown in found["different"]] == numbers(result, tuple(s.grasp for s in expected))
 

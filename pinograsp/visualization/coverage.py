@@ -18,7 +18,8 @@ from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
 from ..disk import as_path, write_whole
 from . import camera, colors
-from .page import legend, page, row, view_button
+from .page import legend, page, view_button
+from .rows import row
 from .scene import draw_enclosure
 from .symbols import Look, arrow, draw
 from .viewer import LayeredMesh, Recorder, Visualizer, geometry
