@@ -102,7 +102,9 @@ def test_rank_as_json(run: Run, result: Result, file: Path) -> None:
         "pareto": [],
     }
     expected = result.different(2, "clearance")
-    assert [(shown["starts"], shown["grasps"]) for shown in found["different"]] == [shown[1:] for shown in expected]
+    assert [(shown["starts"], shown["grasp_count"]) for shown in found["different"]] == [
+        shown[1:] for shown in expected
+    ]
     assert [shown["grasp"] for shown in found["different"]] == [shown.grasp.to_json() for shown in expected]
     assert [shown["number"] for shown in found["different"]] == numbers(result, tuple(s.grasp for s in expected))
 
@@ -216,8 +218,8 @@ def test_check_of_a_whole_grasp(run: Run, result: Result, tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("joints", "words"),
     [
-        ("nosuch.json", "nosuch.json: --joints: cannot be read: no such file or directory"),
-        ("broken.json", "broken.json: --joints: is not valid JSON"),
+        ("nosuch.json", "nosuch.json: cannot be read: no such file or directory. Check the path"),
+        ("broken.json", "broken.json: is not valid JSON"),
         ("list.json", 'list.json: --joints: values by the names of joints are wanted. Write, for example, {"shoulder"'),
         ("words.json", 'words.json: joint_1: a number is wanted, not "up"'),
         ("joint_1=up", "--joints: 'joint_1=up' is not JOINT=VALUE"),

@@ -11,8 +11,8 @@ import typer
 
 import pinograsp
 
-from ..disk import reason_of, write_whole
-from ..errors import FileError, InputError
+from ..disk import json_of, write_whole
+from ..errors import InputError
 from . import arguments
 from .arguments import command, named_values, names_of
 from .folders import file_name, make_folder, save
@@ -78,7 +78,7 @@ def check(
 
 def _checked(planner: pinograsp.Planner, values: dict[str, float], task: str) -> pinograsp.ConfigurationCheck:
     try:
-        return planner.check(values, task)
+        return planner.check(task, values)
     except InputError as error:
         if error.key != "q":
             raise
@@ -98,14 +98,7 @@ def read_joints(texts: Sequence[str]) -> dict[str, float]:
 
 
 def _of_file(file: Path) -> dict[str, float]:
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(
-            f"cannot be read: {reason_of(error)}", file=file, key="--joints", remedy="Check the path"
-        ) from None
-    except ValueError as error:
-        raise FileError(f"is not valid JSON: {error}", file=file, key="--joints") from None
+    content = json_of(file)
     if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
         content = content["joints"]
     if not isinstance(content, dict):

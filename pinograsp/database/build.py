@@ -22,7 +22,7 @@ from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..disk import as_path
-from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, whole_number
+from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, require_kind, whole_number
 from ..execution import own_workers
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
@@ -30,7 +30,7 @@ from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
 from .spread import Spread
-from .store import Database, columns, create_tables
+from .store import Database, columns, create, create_tables, require_identity, set_metadata
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
@@ -72,16 +72,20 @@ def build_database(
         DatabaseMismatchError: it is one for another robot, enclosure, margin, seed or spread.
         InputError: a number is out of range, or there is no such spread.
     """
-    path = as_path("file", file)
+    require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
+    require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+    path, processes = as_path("file", file), own_workers(workers)
     size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
     if spread not in (known := get_args(Spread)):
         raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
+    if margins is not None:
+        require_kind("margins", margins, Margins)
     margins = margins or Margins()
     identity = Identity.of(robot, scene, margins)
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
     link_bodies(robot, progress)
-    with building(path, wait=wait), own_workers(workers) as pool:
+    with building(path, wait=wait), processes as pool:
         _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
             _add(path, pool.run(prepare, missing, chunk=1), pace)
@@ -95,7 +99,7 @@ def _add(path: Path, batches: Generator[Batch], pace: _Pace) -> None:
         # Wait for the first before the file is opened: workers must not be forked with DuckDB's threads.
         first = next(batches)
         with Database.open(path, read_only=False) as database:
-            database.set_metadata("layout", "unsorted")
+            set_metadata(database, "layout", "unsorted")
             for batch in itertools.chain([first], batches):
                 _insert(database, batch)
                 pace.step(batch.accepted, database)
@@ -126,10 +130,10 @@ def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database
     """Open the database for writing, or make it; refuse one made otherwise."""
     if not path.exists():
         facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
-        return Database.create(path, identity, facts)
+        return create(path, identity, facts)
     database = Database.open(path, read_only=False)
     try:
-        database.require(identity)
+        require_identity(database, identity)
         found = database.metadata()
         for key, wanted in (("seed", seed), ("spread", spread)):
             if found[key] != wanted:

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
-from .store import Database
+from ..errors import positive_number, require_kind
+from ..frozen import Record
+from .store import Database, identity_of
 
 SECTORS = 24
 """Approach directions are told apart by largest component with sign (6) and the signs of the two others (4)."""
 
 
-@dataclass(frozen=True)
-class Coverage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Coverage(Record):
     """Counts per voxel of the enclosure."""
 
     origin: Array
@@ -33,8 +35,13 @@ class Coverage:
         Args:
             database: an open database.
             voxel: edge of a voxel, m.
+
+        Raises:
+            InputError: the edge is not positive, or the database is none.
         """
-        walls = database.identity.enclosure["walls"]
+        require_kind("database", database, Database, remedy="Open it with `Database.open`")
+        voxel = positive_number("voxel", voxel)
+        walls = identity_of(database).enclosure["walls"]
         origin, end = np.array(walls["min"]), np.array(walls["max"])
         shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)
         places = ", ".join(

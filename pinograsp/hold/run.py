@@ -14,9 +14,10 @@ from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
+from ..verification.resistance import Q_FORCE
 from .library import mujoco
 from .mjcf import HandAndObject
-from .options import HoldOptions
+from .options import HoldOptions, given_options
 from .outcome import FirstSlip, HoldOutcome, PadForce
 from .simulation import Phase, Simulation
 
@@ -50,17 +51,18 @@ def hold_test(
         An outcome for each grasp, in their order.
 
     Raises:
-        InputError: MuJoCo is not installed, a grasp does not know its setup, a file of the robot is missing, the object
-            has a shape that the hold test does not know, or neither mass nor weight.
+        MissingExtraError: MuJoCo is not installed.
+        InputError: a number is out of range, a grasp does not know its setup, a file of the robot is missing, the
+            object has a shape that the hold test does not know, or neither mass nor weight.
     """
     if best is not None:
         whole_number("best", best, 1)
+    options, processes = given_options(options), own_workers(workers)
     mujoco()
-    options = options or HoldOptions()
     numbered = list(enumerate(in_order(grasps)[:best], 1))
     outcomes: list[HoldOutcome] = []
     try:
-        with own_workers(min(workers, len(numbered)) if workers and numbered else workers) as running:
+        with processes as running:
             for outcome in _outcomes(running, numbered, options):
                 outcomes.append(outcome)
                 held = sum(done.held for done in outcomes)
@@ -119,7 +121,7 @@ class HoldTest:
             pads=tuple(PadForce(pad, force, forces.get(pad, 0.0)) for pad, force in planned.items()),
             touching=tuple(sorted({link for phase in phases for link in phase.touched})),
             first_slip=slip,
-            predicted=next((f.value for f in grasp.certificate.figures if f.name == "Q_force"), None),
+            predicted=grasp.certificate[Q_FORCE].value if Q_FORCE in grasp.certificate else None,
             controls=self._controlled(grasp) if self._options.controls else {},
             seconds=time.perf_counter() - began,
         )

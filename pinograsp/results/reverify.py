@@ -11,11 +11,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import robot_for
-from ..errors import InputError
+from ..errors import InputError, require_kind
 from ..frozen import Record
 from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
+from ..verification.resistance import is_graded
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
@@ -62,8 +63,9 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
         All differences; none if everything stands.
 
     Raises:
-        InputError: a file of the robot is missing or cannot be read.
+        InputError: it is no result, or a file of the robot is missing or cannot be read.
     """
+    require_kind("result", result, Result, remedy="Read it with `read_json`")
     setup = result.setup
     found = list(_of_the_whole(result))
     verifier = Verifier(setup.robot, setup.scene, setup.task)
@@ -146,8 +148,7 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
 
 def _certificate(grasp: Grasp, verifier: Verifier) -> Certificate:
     """Return the certificate of a grasp; figures of resistance only if it has them: an interrupt leaves them out."""
-    graded = any(figure.name in {"Q_force", "Q_torque"} for figure in grasp.certificate.figures)
-    return verifier.certify(grasp.claim) if graded else verifier.check(grasp.claim)
+    return verifier.certify(grasp.claim) if is_graded(grasp.certificate) else verifier.check(grasp.claim)
 
 
 def _desired_points(setup: Setup, stated: Array) -> Array:
