@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..disk import as_path, reason_of, write_whole
+from ..disk import as_path, json_text, reason_of, write_whole
 from ..errors import FileError
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
@@ -29,7 +29,7 @@ def write_json(result: Result, file: Path | str) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    write_whole(as_path("file", file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
+    write_whole(as_path("file", file), json_text(encode(result)))
 
 
 def read_json(file: Path | str) -> Result:
