@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from .errors import FileError, InputError, require_kind
 
@@ -51,6 +51,22 @@ def content_of(file: Path) -> bytes:
         return file.read_bytes()
     except OSError as error:
         raise FileError(f"cannot be read: {reason_of(error)}", file=file, remedy="Check the path") from None
+
+
+def json_of(file: Path) -> Any:
+    """Return the content of a JSON file.
+
+    Raises:
+        FileError: it cannot be read, or is no JSON, which has no NaN and no Infinity.
+    """
+    try:
+        return json.loads(content_of(file), parse_constant=_refuse)
+    except (ValueError, RecursionError) as error:
+        raise FileError(f"is not valid JSON: {error}", file=file, remedy="Write it anew") from None
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no number of JSON")
 
 
 @contextmanager

@@ -19,6 +19,7 @@ import math
 import operator
 import reprlib
 from collections.abc import Iterable
+from numbers import Real
 from pathlib import Path
 
 
@@ -113,6 +114,8 @@ def whole_number(name: str, number: int, least: int, most: int | None = None) ->
         InputError: it is none, or out of range.
     """
     try:
+        if isinstance(number, bool):
+            raise TypeError
         whole = operator.index(number)
     except TypeError:
         raise InputError(f"must be a whole number, not {number!r}", key=name) from None
@@ -123,22 +126,35 @@ def whole_number(name: str, number: int, least: int, most: int | None = None) ->
     return whole
 
 
-def real_number(name: str, number: float, least: float = -math.inf, most: float = math.inf) -> float:
+def real_number(name: str, number: float, least: float = -math.inf, most: float = math.inf, *, unit: str = "") -> float:
     """Return a finite number, NumPy's too, that was given as the argument of a name.
 
     Raises:
-        InputError: it is none, or out of range.
+        InputError: it is none, as a text or a truth value is none, or out of range; the message has the unit.
     """
     try:
+        if isinstance(number, bool) or not isinstance(number, Real):
+            raise TypeError
         real = float(number)
-    except (TypeError, ValueError, OverflowError):
+    except (TypeError, OverflowError):
         raise InputError(f"must be a number, not {number!r}", key=name) from None
     if not math.isfinite(real):
         raise InputError(f"must be a finite number, not {real}", key=name)
-    if real < least:
-        raise InputError(f"must be at least {least:g}, not {real:g}", key=name)
-    if real > most:
-        raise InputError(f"must be at most {most:g}, not {real:g}", key=name)
+    for holds, side, limit in ((real >= least, "least", least), (real <= most, "most", most)):
+        if not holds:
+            raise InputError(f"must be at {side} {f'{limit:g} {unit}'.rstrip()}, not {real:g}", key=name)
+    return real
+
+
+def positive_number(name: str, number: float) -> float:
+    """Return a finite number above 0, NumPy's too, that was given as the argument of a name.
+
+    Raises:
+        InputError: it is none.
+    """
+    real = real_number(name, number)
+    if real <= 0.0:
+        raise InputError(f"must be positive, not {real:g}", key=name)
     return real
 
 

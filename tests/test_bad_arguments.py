@@ -13,6 +13,7 @@ import pinograsp
 from pinograsp import (
     Cone,
     Database,
+    Errors,
     HoldOptions,
     InputError,
     Planner,
@@ -31,7 +32,9 @@ from pinograsp import (
     read_json,
     schema,
     spread_configurations,
+    verify,
     visualization,
+    write_json,
 )
 from pinograsp.results.different import different
 from pinograsp.results.ranking import pareto_front
@@ -52,9 +55,18 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: SolverOptions(projection="contact"), "projection", ["Did you mean contacts?"]),  # type: ignore[arg-type]
     (lambda: SolverOptions(algorithm="SLSQP").budget, "algorithm", ["Did you mean LD_SLSQP?"]),
     (lambda: SolverOptions(algorithm=[]).budget, "algorithm", ["Known: "]),  # type: ignore[arg-type]
-    (lambda: HoldOptions(friction="x"), "options.friction", ["a number"]),  # type: ignore[arg-type]
-    (lambda: HoldOptions(spin=NAN), "options.spin", ["finite"]),
-    (lambda: HoldOptions(ramp=0.0), "options.ramp", ["positive"]),
+    (lambda: HoldOptions(friction="x"), "friction", ["a number"]),  # type: ignore[arg-type]
+    (lambda: HoldOptions(spin=NAN), "spin", ["finite"]),
+    (lambda: HoldOptions(ramp=0.0), "ramp", ["positive"]),
+    (lambda: HoldOptions(slip_angle=True), "slip_angle", ["must be a number, not True"]),
+    (lambda: HoldOptions(friction=-0.5), "friction", ["must be positive, not -0.5"]),
+    (lambda: HoldOptions(control="hand"), "control", ["is not auto, torque or position"]),  # type: ignore[arg-type]
+    (lambda: HoldOptions(acceleration="3"), "acceleration", ["must be a number, not '3'"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(tries=True), "tries", ["must be a whole number, not True"]),
+    (lambda: Errors(position=-0.005), "position", ["must be at least 0 m, not -0.005"]),
+    (lambda: Errors(orientation=4.0), "orientation", ["must be at most 3.14159 rad, not 4"]),
+    (lambda: Errors(joint=True), "joint", ["must be a number, not True"]),
+    (lambda: Errors(weight=(0.9, NAN)), "weight", ["finite"]),
     (lambda: Cone("x", 1.0), "axis", ["numbers of shape (3,)"]),  # type: ignore[arg-type]
     (lambda: Cone(np.zeros(3), 1.0), "axis", ["no direction"]),
     (lambda: Cone(np.ones(2), 1.0), "axis", ["shape (2,), not (3,)"]),
@@ -65,6 +77,11 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: assess(3), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
     (lambda: hold_test(3), "grasps", ["must be of class Result or Grasp"]),  # type: ignore[arg-type]
     (lambda: hold_test([3]), "grasps", ["must be of class Grasp"]),  # type: ignore[list-item]
+    (lambda: hold_test([], options={"spin": 1.0}), "options", ["must be of class HoldOptions"]),  # type: ignore[arg-type]
+    *((lambda count=count: hold_test([], workers=count), "workers", ["at least 1"]) for count in (0, -3)),
+    (lambda: hold_test([], workers=1.5), "workers", ["a whole number"]),  # type: ignore[arg-type]
+    (lambda: verify(3), "result", ["must be of class Result, not 3", "read_json"]),  # type: ignore[arg-type]
+    (lambda: write_json(3, "result.json"), "result", ["must be of class Result, not 3"]),  # type: ignore[arg-type]
     (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]
     (lambda: different([], -1), "most", ["at least 0"]),
     (lambda: pareto_front([], 3), "criteria", ["must be of class Sequence"]),  # type: ignore[arg-type]
@@ -89,6 +106,7 @@ PLANS: list[tuple[dict[str, Any], str, list[str]]] = [
     ({"starts": 0}, "starts", ["at least 1"]),
     ({"seed": -1}, "seed", ["at least 0"]),
     ({"workers": 0}, "workers", ["at least 1"]),
+    ({"workers": True}, "workers", ["a whole number"]),
     ({"database": 3}, "database", ["must be of class Database or Path or str"]),
     ({"options": {"tries": 1}}, "options", ["must be of class SolverOptions"]),
     ({"options": SolverOptions(algorithm="x")}, "algorithm", ["no solver 'x'"]),
@@ -159,7 +177,8 @@ def test_seeds_of_any_size(rows: Database) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "key"), [({"size": 0}, "size"), ({"seed": -1}, "seed"), ({"spread": "joint"}, "spread")]
+    ("changes", "key"),
+    [({"size": 0}, "size"), ({"seed": -1}, "seed"), ({"spread": "joint"}, "spread"), ({"workers": 0}, "workers")],
 )
 def test_a_database(toy: Robot, make_toy_scene: Any, tmp_path: Path, changes: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError) as caught:

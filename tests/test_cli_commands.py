@@ -225,11 +225,11 @@ def test_files_of_joints_with_signs_in_their_names(run: Run, result: Result, nam
 @pytest.mark.parametrize(
     ("joints", "words"),
     [
-        ("runs=2/nosuch.json", "runs=2/nosuch.json: --joints: cannot be read: no such file or directory"),
+        ("runs=2/nosuch.json", "runs=2/nosuch.json: cannot be read: no such file or directory"),
         ("joint_1=1.0,joint_2=1.0", "--joints: 'joint_1=1.0,joint_2=1.0' is not JOINT=VALUE"),
         ("=1.0", "--joints: '=1.0' is not JOINT=VALUE"),
-        ("nosuch.json", "nosuch.json: --joints: cannot be read: no such file or directory"),
-        ("broken.json", "broken.json: --joints: is not valid JSON"),
+        ("nosuch.json", "nosuch.json: cannot be read: no such file or directory. Check the path"),
+        ("broken.json", "broken.json: is not valid JSON"),
         ("list.json", 'list.json: --joints: values by the names of joints are wanted. Write, for example, {"shoulder"'),
         ("words.json", 'words.json: joint_1: a number is wanted, not "up"'),
         ("joint_1=up", "--joints: 'joint_1=up' is not JOINT=VALUE"),

@@ -376,7 +376,7 @@ def test_command_line(
     assert "grasps hold" not in output  # nothing was simulated for it
     code, output = run("--spin", "inf")
     assert code == 2
-    assert "options.spin: must be a finite number, not inf" in output
+    assert "--spin: must be a finite number, not inf" in output
 
 
 def _plain(data: Any) -> Any:

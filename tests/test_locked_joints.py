@@ -310,7 +310,7 @@ def test_a_planner_gives_locked_grasps_at_once_and_checks_others(gen3: Robot, gl
         for other in found:
             assert other.joints[KNUCKLE] == pytest.approx(grasp.joints[KNUCKLE], abs=1e-12)
             assert other.joints["joint_7"] == pytest.approx(0.7, abs=1e-12)
-        check = planner.check({**grasp.joints, "joint_7": 0.6}, "sphere")
+        check = planner.check("sphere", {**grasp.joints, "joint_7": 0.6})
         assert check.certificate["joint ranges"].value == pytest.approx(-0.1)
         assert not check.verified
 

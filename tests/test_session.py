@@ -207,7 +207,7 @@ def grasp(gen3: Robot, glovebox: Scene) -> pinograsp.Grasp:
 
 def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: pinograsp.Grasp) -> None:
     for q in (grasp.joints, np.concatenate([grasp.q_arm, grasp.synergy])):
-        check = planner.check(q, "sphere")
+        check = planner.check("sphere", q)
         assert check.verified, check.certificate.refuted_by
         for name in ("enclosure clearance", "self clearance", "object clearance", "pad clearance"):
             figure = check.certificate[name]
@@ -217,7 +217,7 @@ def test_a_grasp_given_as_a_configuration_is_verified(planner: Planner, grasp: p
 
 
 def test_a_grasp_given_as_a_configuration_is_that_grasp(planner: Planner, grasp: pinograsp.Grasp) -> None:
-    check = planner.check(grasp.joints, "sphere")
+    check = planner.check("sphere", grasp.joints)
     found = check.grasp
     assert (found.start, found.count) == (None, 0)
     assert repr(found).startswith("<Grasp: verified, U ")
@@ -234,10 +234,25 @@ def test_a_grasp_given_as_a_configuration_is_that_grasp(planner: Planner, grasp:
     assert found.setup == pinograsp.Setup(planner.robot.description, planner.scene, "sphere")
 
 
+def test_robot_and_scene_of_a_planner_are_read_only(planner: Planner) -> None:
+    """Another scene would leave the models as they are; `move` is the way to change it."""
+    for name in ("robot", "scene"):
+        with pytest.raises(AttributeError):
+            setattr(planner, name, None)
+
+
+@pytest.mark.parametrize("task", [[], {}, None, 3])
+def test_a_task_that_is_no_name(planner: Planner, task: Any) -> None:
+    with pytest.raises(pinograsp.UnknownNameError, match=r"no task .* in this scene"):
+        planner.plan(task)
+    with pytest.raises(pinograsp.UnknownNameError, match=r"no task .* in this scene"):
+        planner.check(task, [])
+
+
 def test_one_check_without_a_planner(gen3: Robot, glovebox: Scene, planner: Planner, grasp: pinograsp.Grasp) -> None:
     check = pinograsp.check(gen3, glovebox, "sphere", grasp.joints)
     with Planner(gen3, glovebox) as fresh:
-        assert check == fresh.check(grasp.joints, "sphere")
+        assert check == fresh.check("sphere", grasp.joints)
     assert check.verified
     with pytest.raises(InputError, match="no task 'can'"):
         pinograsp.check(gen3, glovebox, "can", grasp.joints)
@@ -247,7 +262,7 @@ def test_a_check_as_json_has_the_attributes(planner: Planner, grasp: pinograsp.G
     """Of a configuration with numbers that are not finite, too: links intersect to an unknown depth."""
     q = np.concatenate([grasp.q_arm, grasp.synergy])
     q[3] = 2.5  # the elbow folds
-    check = planner.check(q, "sphere")
+    check = planner.check("sphere", q)
     data = json.loads(json.dumps(check.to_json(), allow_nan=False))
     assert data.keys() == {"verified", "grasp", "clearances"}
     assert data["verified"] is False
@@ -264,7 +279,7 @@ def test_pads_are_where_joints_that_keep_to_no_synergy_have_them(
     planner: Planner, grasp: pinograsp.Grasp, gen3: Robot
 ) -> None:
     tip = "robotiq_85_mimic_right_finger_tip_joint"
-    check = planner.check({**grasp.joints, tip: grasp.joints[tip] + 0.1}, "sphere")
+    check = planner.check("sphere", {**grasp.joints, tip: grasp.joints[tip] + 0.1})
     assert "mimic joints" in {figure.name for figure in check.certificate.refuted_by}
     left, right = (contact.T_world_pad for contact in check.grasp.contacts)
     np.testing.assert_allclose(left, grasp.contacts[0].T_world_pad, atol=1e-9)
@@ -279,14 +294,14 @@ def test_a_contact_within_the_reserve_is_said_to_be_that(gen3: Robot, glovebox: 
     assert found < 0.00999
     scene = changed(glovebox, "tasks", reserve={"rim": 0.00999})
     with Planner(gen3, scene, workers=1) as planner:
-        check = planner.check(grasp.joints, "sphere")
+        check = planner.check("sphere", grasp.joints)
     [refuted] = check.certificate.refuted_by
     assert (refuted.name, refuted.value) == ("pad rim", pytest.approx(found, abs=1e-9))
 
 
 def test_a_configuration_that_is_no_grasp_says_why(planner: Planner, grasp: pinograsp.Grasp) -> None:
     into_wall = dict(grasp.joints) | {next(iter(grasp.joints)): 2.0}
-    check = planner.check(into_wall, "sphere")
+    check = planner.check("sphere", into_wall)
     assert not check.verified
     assert "contact gap" in {figure.name for figure in check.certificate.refuted_by}
     distances = [pair.distance for pair in check.clearances]
@@ -298,17 +313,18 @@ def test_a_configuration_that_is_no_grasp_says_why(planner: Planner, grasp: pino
     [
         (lambda q: q | {"joint_9": 0.0}, "there is no joint 'joint_9'"),
         (lambda q: {name: value for name, value in q.items() if name != "joint_2"}, "no value is given for 'joint_2'"),
-        (lambda q: q | {"joint_2": float("nan")}, "not finite"),
-        (lambda q: [0.0, 1.0], "8 values are wanted"),
-        (lambda q: q | {"joint_2": "half"}, "numbers are wanted"),
-        (lambda q: None, "wanted"),
+        (lambda q: q | {"joint_2": float("nan")}, "^q.joint_2: must be a finite number, not nan"),
+        (lambda q: q | {"joint_2": True}, "^q.joint_2: must be a number, not True"),
+        (lambda q: [0.0, 1.0], r"^q: has shape \(2,\), not \(8,\)\. Give joint_1"),
+        (lambda q: q | {"joint_2": "half"}, "^q.joint_2: must be a number, not 'half'"),
+        (lambda q: None, r"^q: has shape \(\)"),
     ],
 )
 def test_a_configuration_that_cannot_be_read(
     planner: Planner, grasp: pinograsp.Grasp, change: Any, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        planner.check(change(dict(grasp.joints)), "sphere")
+        planner.check("sphere", change(dict(grasp.joints)))
 
 
 def test_joints_of_a_hand_with_named_synergies_are_a_configuration() -> None:
@@ -316,9 +332,9 @@ def test_joints_of_a_hand_with_named_synergies_are_a_configuration() -> None:
     robot, scene = pinograsp.load_robot("xarm7_allegro"), pinograsp.load_scene("allegro_ceiling")
     joints = robot.joints_by_name(0.5 * (robot.lower + robot.upper))
     with Planner(robot, scene, workers=1) as planner:
-        assert planner.check(joints, "sphere").certificate["synergies"].holds
+        assert planner.check("sphere", joints).certificate["synergies"].holds
         moved = robot.joint_names[robot.hand_joints[0]]
-        assert not planner.check(joints | {moved: joints[moved] + 0.01}, "sphere").certificate["synergies"].holds
+        assert not planner.check("sphere", joints | {moved: joints[moved] + 0.01}).certificate["synergies"].holds
 
 
 @pytest.mark.parametrize(

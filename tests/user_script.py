@@ -54,7 +54,7 @@ def reported(file: Path) -> None:
 def own_configurations(robot: Robot, scene: Scene) -> None:
     with Planner(robot, scene) as planner:
         for grasp in planner.grasps("sphere", most=2, deadline=1.0):
-            checked: pinograsp.ConfigurationCheck = planner.check(grasp.joints, "sphere")
+            checked: pinograsp.ConfigurationCheck = planner.check("sphere", grasp.joints)
             print(checked.verified, checked.certificate.refuted_by)
             for pair in checked.clearances:
                 print(pair.link, pair.other, pair.distance)

@@ -54,8 +54,7 @@ def assess(
     if errors is not None:
         require_kind("errors", errors, Errors, remedy="Give pinograsp.Errors(...)")
     samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0)
-    if workers is not None:
-        whole_number("workers", workers, 1)
+    running = own_workers(workers)
     judge = Judge(grasp)
     sizes = (errors or Errors()).for_task(judge.task.contact.friction)
     drawn = draws(sizes, samples, len(grasp.q_arm), seed)
@@ -65,7 +64,7 @@ def assess(
     kinds = list(KINDS) if planned.holds else []
     interrupted = False
     try:
-        with own_workers(workers) as running:
+        with running:
             running.begin()
             for number, verdict in _each(running, partial(_judging, grasp), list(enumerate(drawn))):
                 verdicts[number] = verdict

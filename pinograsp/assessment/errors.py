@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError
+from ..errors import InputError, real_number
 from ..frozen import Record
 
 Interval = tuple[float, float]
@@ -24,7 +24,7 @@ FRICTION = (0.8, 1.2)
 """Friction by default, in parts of the task's coefficient."""
 _MOST = 1e3
 """Largest friction coefficient and factor of the weight."""
-UNITS = {"position": " m", "orientation": " rad", "center_of_mass": " m", "joint": " rad"}
+_UNITS = {"position": "m", "orientation": "rad", "center_of_mass": "m", "joint": "rad"}
 _LARGEST = {"position": 1.0, "orientation": math.pi, "center_of_mass": 1.0, "joint": math.pi}
 
 
@@ -53,7 +53,7 @@ class Errors(Record):
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name in _LARGEST:
-                number = _number(field.name, value, _LARGEST[field.name])
+                number = real_number(field.name, value, 0.0, _LARGEST[field.name], unit=_UNITS[field.name])
                 object.__setattr__(self, field.name, number)
             elif field.name != "friction" or value is not None:
                 object.__setattr__(self, field.name, _interval(field.name, value))
@@ -125,20 +125,12 @@ def _in_ball(rng: np.random.Generator) -> Array:
     return np.asarray(direction / np.linalg.norm(direction) * rng.uniform() ** (1.0 / 3.0))
 
 
-def _number(key: str, value: Any, most: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        raise InputError(f"must be a number, not {value!r}", key=key)
-    if not 0.0 <= value <= most:  # nor not a number
-        raise InputError(f"must be between 0 and {most:g}{UNITS.get(key, '')}, not {value}", key=key)
-    return float(value)
-
-
 def _interval(key: str, value: Any) -> Interval:
     try:
         low, high = value
     except (TypeError, ValueError):
         raise InputError(f"must be two numbers, least and greatest, not {value!r}", key=key) from None
-    low, high = _number(key, low, _MOST), _number(key, high, _MOST)
+    low, high = real_number(key, low, 0.0, _MOST), real_number(key, high, 0.0, _MOST)
     if low > high:
         raise InputError(f"the least, {low:g}, is above the greatest, {high:g}", key=key)
     return low, high

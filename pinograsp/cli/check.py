@@ -11,8 +11,8 @@ import typer
 
 import pinograsp
 
-from ..disk import is_file, reason_of
-from ..errors import FileError, InputError
+from ..disk import is_file, json_of
+from ..errors import InputError
 from . import arguments
 from .arguments import as_options, command, named_values
 from .folders import file_name, make_folder, save, save_json
@@ -68,7 +68,7 @@ def check(
         name = model.description.name
         planner = pinograsp.Planner(model, described, workers=1, progress=progress)
         with planner, as_options({"q": "--joints"}):
-            found = planner.check(values, task)
+            found = planner.check(task, values)
     content = {"robot": name, "scene": described.name, "task": task, **found.to_json()}
     saved = [] if out is None else list(_saved(found, content, out))
     terminal.find(lambda: content, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
@@ -96,14 +96,7 @@ def _is_value(text: str) -> bool:
 
 
 def _of_file(file: Path) -> dict[str, float]:
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileError(
-            f"cannot be read: {reason_of(error)}", file=file, key="--joints", remedy="Check the path"
-        ) from None
-    except ValueError as error:
-        raise FileError(f"is not valid JSON: {error}", file=file, key="--joints") from None
+    content = json_of(file)
     if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
         content = content["joints"]
     if not isinstance(content, dict):

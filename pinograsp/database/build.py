@@ -22,7 +22,7 @@ from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.scene import Margins
 from ..disk import as_path
-from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, whole_number
+from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, require_kind, whole_number
 from ..execution import own_workers
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
@@ -72,7 +72,9 @@ def build_database(
         DatabaseMismatchError: it is one for another robot, enclosure, margin, seed or spread.
         InputError: a number is out of range, or there is no such spread.
     """
-    path = as_path("file", file)
+    require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
+    require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+    path, processes = as_path("file", file), own_workers(workers)
     size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
     if spread not in (known := get_args(Spread)):
         raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
@@ -81,7 +83,7 @@ def build_database(
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
     link_bodies(robot, progress)
-    with building(path, wait=wait), own_workers(workers) as pool:
+    with building(path, wait=wait), processes as pool:
         _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
             _add(path, pool.run(prepare, missing, chunk=1), pace)

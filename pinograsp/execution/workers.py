@@ -16,6 +16,7 @@ from typing import Any, Protocol, Self, TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from ..errors import whole_number
 from .distribute import distribute, refuse
 from .packed import Packed, run_chunk
 
@@ -170,8 +171,12 @@ class Processes(_Distributing):
 
 
 def own_workers(count: int | None = None) -> Workers:
-    """Return this process for a count of 1, otherwise as many processes; None: one for each core."""
-    count = count or os.cpu_count() or 1
+    """Return this process for a count of 1, otherwise as many processes; None: one for each core.
+
+    Raises:
+        InputError: the count, which users give as `workers`, is no whole number, or below 1.
+    """
+    count = (os.cpu_count() or 1) if count is None else whole_number("workers", count, 1)
     return ThisProcess() if count == 1 else Processes(count)
 
 

@@ -6,12 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from ..errors import InputError, real_number
+from ..errors import InputError, positive_number, real_number
 
 
 @dataclass(frozen=True)
 class HoldOptions:
-    """Loads, limits and control of a hold test."""
+    """Loads, limits and control of a hold test.
+
+    Raises:
+        InputError: a number is out of range, or there is no such control.
+    """
 
     acceleration: float = 5.0
     """Of the base along each axis of the world, both ways, m/s^2."""
@@ -38,14 +42,11 @@ class HoldOptions:
 
     def __post_init__(self) -> None:
         """Refuse numbers that make no sense."""
-        for name in ("slip_distance", "slip_angle", "ramp", "strongest", "acceleration", "spin"):
-            real_number(f"options.{name}", getattr(self, name), 0.0)
-        if self.friction is not None:
-            real_number("options.friction", self.friction)
+        for name in ("acceleration", "spin"):
+            real_number(name, getattr(self, name), 0.0)
         for name in ("slip_distance", "slip_angle", "ramp", "strongest"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise InputError(f"must be positive, not {getattr(self, name)}", key=f"options.{name}")
-        if self.friction is not None and not 0.0 < self.friction < math.inf:
-            raise InputError(f"must be positive, not {self.friction}", key="options.friction")
+            positive_number(name, getattr(self, name))
+        if self.friction is not None:
+            positive_number("friction", self.friction)
         if self.control not in ("auto", "torque", "position"):
-            raise InputError(f"{self.control!r} is not auto, torque or position", key="options.control")
+            raise InputError(f"{self.control!r} is not auto, torque or position", key="control")

@@ -50,17 +50,21 @@ def hold_test(
         An outcome for each grasp, in their order.
 
     Raises:
-        InputError: MuJoCo is not installed, a grasp does not know its setup, a file of the robot is missing, the object
-            has a shape that the hold test does not know, or neither mass nor weight.
+        MissingExtraError: MuJoCo is not installed.
+        InputError: a number is out of range, a grasp does not know its setup, a file of the robot is missing, the
+            object has a shape that the hold test does not know, or neither mass nor weight.
     """
     if best is not None:
         whole_number("best", best, 1)
-    mujoco()
+    if options is not None:
+        require_kind("options", options, HoldOptions, remedy="Give HoldOptions(...)")
     options = options or HoldOptions()
+    processes = own_workers(workers)
+    mujoco()
     numbered = list(enumerate(in_order(grasps)[:best], 1))
     outcomes: list[HoldOutcome] = []
     try:
-        with own_workers(min(workers, len(numbered)) if workers and numbered else workers) as running:
+        with processes as running:
             for outcome in _outcomes(running, numbered, options):
                 outcomes.append(outcome)
                 held = sum(done.held for done in outcomes)

@@ -83,4 +83,4 @@ def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> Configurat
         InputError: there is no such task, or a value is missing, unknown or not finite.
     """
     with Planner(robot, scene) as planner:
-        return planner.check(q, task)
+        return planner.check(task, q)

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array
-from ..errors import InputError, UnknownNameError, close_names
+from ..arrays import Array, real_array
+from ..errors import InputError, UnknownNameError, close_names, real_number
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, State, TaskModel
 from ..results import Setup
@@ -57,32 +57,22 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
 
 def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     """Return the posture (q_a, sigma), shape (l + s,), and the joints that were given by name."""
-    try:
-        return _numbers(robot, q)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"numbers are wanted: {error}", key="q") from None
-
-
-def _numbers(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     names = robot.posture_names
-    if isinstance(q, Mapping):
-        known = [*names, *robot.joint_names]
-        for name in q:
-            if name not in known:
-                raise UnknownNameError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
-        given = {name: float(value) for name, value in q.items() if name in robot.joint_names}
-        values = _synergies(robot, given) | {name: float(value) for name, value in q.items()}
-        if missing := [name for name in names if name not in values]:
-            raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
-        posture = np.array([values[name] for name in names])
-    else:
-        posture, given = np.asarray(q, dtype=float), {}
-        if posture.shape != (len(names),):
-            problem = f"{len(names)} values are wanted, not an array of shape {posture.shape}"
-            raise InputError(problem, key="q", remedy=f"Give {', '.join(names)}")
-    if not np.isfinite([*posture, *given.values()]).all():
-        raise InputError("a value is not finite", key="q")
-    return posture, given
+    if not isinstance(q, Mapping):
+        try:
+            return real_array("q", q, len(names)), {}
+        except InputError as error:
+            raise InputError(error.problem, key="q", remedy=f"Give {', '.join(names)}") from None
+    known = [*names, *robot.joint_names]
+    for name in q:
+        if name not in known:
+            raise UnknownNameError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
+    numbers = {name: real_number(f"q.{name}", value) for name, value in q.items()}
+    given = {name: value for name, value in numbers.items() if name in robot.joint_names}
+    values = _synergies(robot, given) | numbers
+    if missing := [name for name in names if name not in values]:
+        raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
+    return np.array([values[name] for name in names]), given
 
 
 def _synergies(robot: Robot, joints: Mapping[str, float]) -> dict[str, float]:
@@ -91,8 +81,6 @@ def _synergies(robot: Robot, joints: Mapping[str, float]) -> dict[str, float]:
     if not all(name in joints for name in names):
         return {}
     moved = np.array([joints[name] for name in names]) - robot.q_0[robot.hand_joints]
-    if not np.isfinite(moved).all():
-        return {}
     sigma = np.linalg.lstsq(robot.synergies, moved, rcond=None)[0]
     return dict(zip(robot.posture_names[robot.arm_size :], sigma.tolist(), strict=True))
 

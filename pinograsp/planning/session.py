@@ -83,15 +83,11 @@ class Planner:
             require_kind("options", options, SolverOptions, remedy="Give SolverOptions(...)")
         if database is not None:
             require_kind("database", database, Database, Path, str)
-        if workers is not None:
-            whole_number("workers", workers, 1)
         if executor is not None and not isinstance(executor, Executor):
             raise InputError("is no concurrent.futures.Executor", key="executor")
         if executor is not None and workers is not None:
             raise InputError("is given with an executor", key="workers", remedy="Give one of them")
-        self.robot = robot
-        self.scene = scene
-        """As it is now: objects may have been moved."""
+        self._robot, self._scene = robot, scene
         self._options = options or SolverOptions()
         self._given, self._count, self._report = database, workers, progress
         self._workers: Workers = own_workers(workers) if executor is None else GivenExecutor(executor)
@@ -99,6 +95,16 @@ class Planner:
         self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self._robot
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is now: objects may have been moved."""
+        return self._scene
 
     def __enter__(self) -> Self:
         """Return the planner; its workers end with the block."""
@@ -134,9 +140,9 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0)
         began = time.perf_counter()
-        check_placement(self.scene, task)  # before the convex pieces, which take long on a new machine
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
-        run = Run(Setup(self.robot.description, self.scene, task), self.robot.files, starts, check_task(model))
+        run = Run(Setup(self._robot.description, self._scene, task), self._robot.files, starts, check_task(model))
         run.facts = {"seed": seed, "options": self._options.to_json()}
         self._evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -181,7 +187,7 @@ class Planner:
         if deadline is not None:
             real_number("deadline", deadline, 0.0)
         began = time.perf_counter()
-        check_placement(self.scene, task)  # before the convex pieces, which take long on a new machine
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         check_task(model)
         if task not in self._hands:  # neither depends on where objects stand
@@ -190,7 +196,7 @@ class Planner:
         postures = self._index(model).starts(model, self._hands[task], NEAREST)
         quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
         solver, verifier = LocalSolver(model, quick), verifier_of(model)
-        setup = Setup(self.robot.description, self.scene, task)
+        setup = Setup(self._robot.description, self._scene, task)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
         for index, posture in enumerate(postures):
             if deadline is not None and time.perf_counter() - began > deadline:
@@ -214,16 +220,16 @@ class Planner:
             InputError: there is no such object, or the array is no pose.
         """
         there = pose if isinstance(pose, Pose) else Pose.of(pose)
-        self.scene = self.scene.with_object_pose(name, there)
-        self._models = {task: model.moved(name, self.scene) for task, model in self._models.items()}
+        self._scene = self._scene.with_object_pose(name, there)
+        self._models = {task: model.moved(name, self._scene) for task, model in self._models.items()}
 
-    def check(self, q: Configuration, task: str) -> ConfigurationCheck:
+    def check(self, task: str, q: Configuration) -> ConfigurationCheck:
         """Check a configuration of the user's own: certificate figures, clearances by pair, and a grasp to draw.
 
         Args:
+            task: name of a task of the scene: its object, margins and pads count.
             q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
                 synergies in the order of the robot file, shape (l + s,); rad (m).
-            task: name of a task of the scene: its object, margins and pads count.
 
         Raises:
             InputError: there is no such task, or a value is missing, unknown or not finite.
@@ -233,10 +239,11 @@ class Planner:
             return checked(model, verifier_of(model), q)
 
     def _model(self, task: str) -> TaskModel:
+        self._scene.task(task)  # refuses what is no name before it is looked up
         if task not in self._models:
-            require_consistent(self.robot.unmounted)
-            link_bodies(self.robot, self._report)
-            self._models[task] = TaskModel(self.robot, self.scene, task)
+            require_consistent(self._robot.unmounted)
+            link_bodies(self._robot, self._report)
+            self._models[task] = TaskModel(self._robot, self._scene, task)
         return self._models[task]
 
     def _evaluate_once(self, model: TaskModel) -> None:
@@ -247,23 +254,23 @@ class Planner:
 
     def _index(self, model: TaskModel) -> StartIndex:
         """Return the starts in memory: for every scene with one enclosure and for tasks with one margin the same."""
-        indices, margins = _indices(self.robot.unmounted), model.task.margin
+        indices, margins = _indices(self._robot.unmounted), model.task.margin
         database = self._database(margins)
         stat = database.file.stat()
         key = (database.identity.digest, str(database.file.resolve()), stat.st_mtime_ns, stat.st_size)
         if key not in indices:
-            indices[key] = StartIndex(database, self.robot.mounted(self.scene.mounting.matrix))
+            indices[key] = StartIndex(database, self._robot.mounted(self._scene.mounting.matrix))
         return indices[key]
 
     def _database(self, margins: Margins) -> Database:
         """Return the database to take starts from, for certain the right one; what is opened here stays open."""
-        identity = Identity.of(self.robot, self.scene, margins)
+        identity = Identity.of(self._robot, self._scene, margins)
         if isinstance(self._given, Database):
             self._given.require(identity)
             return self._given
         if identity.digest not in self._opened:
             if self._given is None:
-                opened = cached_database(self.robot, self.scene, margins, workers=self._count, progress=self._report)
+                opened = cached_database(self._robot, self._scene, margins, workers=self._count, progress=self._report)
             else:
                 opened = Database.open(self._given)
             try:

@@ -6,12 +6,10 @@ The layout (`encoding`) has a format version; `read_json` refuses others.
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
-from typing import Any, NoReturn
 
-from ..disk import as_path, json_text, reason_of, write_whole
-from ..errors import FileError
+from ..disk import as_path, json_of, json_text, write_whole
+from ..errors import FileError, require_kind
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
 from .result import Result
@@ -27,8 +25,10 @@ def write_json(result: Result, file: Path | str) -> None:
         file: where to write.
 
     Raises:
-        InputError: the file cannot be written.
+        FileError: the file cannot be written.
+        InputError: it is no result.
     """
+    require_kind("result", result, Result)
     write_whole(as_path("file", file), json_text(encode(result)))
 
 
@@ -40,22 +40,8 @@ def read_json(file: Path | str) -> Result:
     Raises:
         FileError: the file is missing, is no JSON, or is of another format.
     """
-    data = _load(as_path("file", file))
-    try:
-        result = decode(data)
-        # What follows from other numbers and is not kept, as whether a figure holds, counts too.
-        return dataclasses.replace(result, altered=encode(result) != data)
-    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
-        raise FileError(f"is damaged: {type(error).__name__} {error}", file=file) from None
-
-
-def _load(file: Path) -> dict[str, Any]:
-    try:
-        data = json.loads(file.read_text(encoding="utf-8"), parse_constant=_refuse)
-    except OSError as error:
-        raise FileError(f"cannot be read: {reason_of(error)}", file=file) from None
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"is not valid JSON: {error}", file=file) from None
+    file = as_path("file", file)
+    data = json_of(file)
     version = data.get("format_version") if isinstance(data, dict) else None
     if version != FORMAT_VERSION:
         raise FileError(
@@ -64,8 +50,10 @@ def _load(file: Path) -> dict[str, Any]:
             key="format_version",
             remedy="Plan again",
         )
-    return dict(data)
-
-
-def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no number of JSON")
+    try:
+        result = decode(data)
+        # What follows from other numbers and is not kept, as whether a figure holds, counts too.
+        return dataclasses.replace(result, altered=encode(result) != data)
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
+        problem = f"is damaged: {type(error).__name__} {error}"
+        raise FileError(problem, file=file, remedy="Take another copy of the file, or plan again") from None

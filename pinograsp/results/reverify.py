@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import robot_for
-from ..errors import InputError
+from ..errors import InputError, require_kind
 from ..frozen import Record
 from ..progress import Progress, Report, no_report
 from ..verification import Certificate
@@ -62,8 +62,9 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
         All differences; none if everything stands.
 
     Raises:
-        InputError: a file of the robot is missing or cannot be read.
+        InputError: it is no result, or a file of the robot is missing or cannot be read.
     """
+    require_kind("result", result, Result, remedy="Read it with `read_json`")
     setup = result.setup
     found = list(_of_the_whole(result))
     verifier = Verifier(setup.robot, setup.scene, setup.task)
