@@ -2,11 +2,15 @@
 
 from . import visualization as visualization
 from .assessment.assess import assess as assess
+from .assessment.errors import Draw as Draw
 from .assessment.errors import Errors as Errors
 from .assessment.outcome import Assessment as Assessment
 from .assessment.outcome import Margin as Margin
+from .assessment.outcome import Sample as Sample
+from .assessment.verdict import Verdict as Verdict
 from .database.build import build_database as build_database
 from .database.coverage import Coverage as Coverage
+from .database.query import Configurations as Configurations
 from .database.query import configurations_near as configurations_near
 from .database.query import spread_configurations as spread_configurations
 from .database.store import Database as Database
@@ -23,10 +27,12 @@ from .descriptions.regions import Cuboid as Cuboid
 from .descriptions.regions import HalfSpace as HalfSpace
 from .descriptions.regions import Outside as Outside
 from .descriptions.regions import Sector as Sector
+from .descriptions.robot import RobotDescription as RobotDescription
 from .descriptions.scene import ApproachCone as ApproachCone
 from .descriptions.scene import Body as Body
 from .descriptions.scene import ContactConstants as ContactConstants
 from .descriptions.scene import Enclosure as Enclosure
+from .descriptions.scene import JointInterval as JointInterval
 from .descriptions.scene import Margins as Margins
 from .descriptions.scene import Object as Object
 from .descriptions.scene import Reserves as Reserves
@@ -47,14 +53,20 @@ from .errors import TaskError as TaskError
 from .errors import UnknownNameError as UnknownNameError
 from .errors import WorkerLostError as WorkerLostError
 from .geometry.cone import Cone as Cone
+from .hold.film import write_film as write_film
 from .hold.options import HoldOptions as HoldOptions
+from .hold.outcome import FirstSlip as FirstSlip
 from .hold.outcome import HoldOutcome as HoldOutcome
+from .hold.outcome import PadForce as PadForce
 from .hold.run import hold_test as hold_test
+from .hold.write import write_mjcf as write_mjcf
 from .kinematics.robot import Robot as Robot
 from .kinematics.robot import load_robot as load_robot
 from .onboarding.check import RobotReport as RobotReport
 from .onboarding.check import check_robot as check_robot
+from .onboarding.draft import Draft as Draft
 from .onboarding.findings import Finding as Finding
+from .onboarding.findings import LinkFigures as LinkFigures
 from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import check as check
@@ -81,4 +93,5 @@ from .verification.certificate import Figure as Figure
 from .verification.certificate import PairClearance as PairClearance
 from .verification.check import Verifier as Verifier
 from .verification.claim import Claim as Claim
+from .verification.derived import Derived as Derived
 from .version import __version__ as __version__

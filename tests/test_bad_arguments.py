@@ -80,6 +80,10 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: hold_test([], options={"spin": 1.0}), "options", ["must be of class HoldOptions"]),  # type: ignore[arg-type]
     *((lambda count=count: hold_test([], workers=count), "workers", ["at least 1"]) for count in (0, -3)),
     (lambda: hold_test([], workers=1.5), "workers", ["a whole number"]),  # type: ignore[arg-type]
+    (lambda: pinograsp.write_mjcf(3, "hand.xml"), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
+    (lambda: pinograsp.write_film(3, "hand.gif"), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
+    (lambda: pinograsp.write_film(3, 3), "file", ["must be of class Path or str"]),  # type: ignore[arg-type]
+    (lambda: visualization.write_robot_html("toy", "toy.html"), "robot", ["load_robot"]),  # type: ignore[arg-type]
     (lambda: verify(3), "result", ["must be of class Result, not 3", "read_json"]),  # type: ignore[arg-type]
     (lambda: write_json(3, "result.json"), "result", ["must be of class Result, not 3"]),  # type: ignore[arg-type]
     (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]

@@ -227,6 +227,10 @@ def test_coverage_counts_every_row(small: Path, glovebox: Any) -> None:
     rows = everything(small)
     with Database.open(small) as database:
         coverage = Coverage.of(database, voxel=0.1)
+        assert coverage == Coverage.of(database, voxel=0.1) != Coverage.of(database, voxel=0.2)
+    for array in (coverage.origin, coverage.counts, coverage.directions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
     assert coverage.counts.shape == (11, 9, 6)
     assert coverage.counts.sum() == len(rows["q1"])
     assert ((coverage.directions > 0) == (coverage.counts > 0)).all()

@@ -17,6 +17,7 @@ from pinograsp import Coverage, Database, InputError, Margins, Result, Robot, Sc
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.identity import Identity
+from pinograsp.database.store import create
 from pinograsp.disk import cache_folder
 
 Kind = Callable[[Path], str | Path]
@@ -28,7 +29,7 @@ SHIPPED = pinograsp.shipped_scenes()["glovebox"]
 def database(gen3: Robot, glovebox: Scene, tmp_path: Path) -> Path:
     """A database without rows."""
     file = tmp_path / "empty.duckdb"
-    Database.create(file, Identity.of(gen3, glovebox, Margins()), {}).close()
+    create(file, Identity.of(gen3, glovebox, Margins()), {}).close()
     return file
 
 

@@ -14,7 +14,10 @@ import numpy as np
 import pytest
 
 import pinograsp.assessment.outcome
+import pinograsp.database.coverage
+import pinograsp.database.query
 import pinograsp.hold.outcome
+import pinograsp.onboarding.check
 import pinograsp.results.configuration_check
 import pinograsp.results.reverify
 import pinograsp.verification.derived  # noqa: F401  every record is defined

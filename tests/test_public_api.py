@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 from pydantic import BaseModel
@@ -28,6 +28,21 @@ UNITLESS = re.compile(
     r"\b(coefficient|factor|share|parts?|unit vectors?|length 1|no unit|pure number)\b|`unit`", re.IGNORECASE
 )
 """Words for quantities that have none, and for those that say it beside themselves."""
+PARTS = {
+    "Attachment": "a part of a robot file",
+    "ArmDescription": "a part of a robot file",
+    "Chain": "a part of a `Draft`, whose docstring says what to read of it",
+    "CollisionDescription": "a part of a robot file",
+    "Composition": "a part of a `Draft`",
+    "Facet": "a part of a `Draft`, whose docstring says what to read of it",
+    "HandDescription": "a part of a robot file",
+    "PadDescription": "a part of a robot file",
+    "ShapeDescription": "the base of Sphere, Box, Cylinder and meshes",
+    "StiffnessDescription": "a part of a robot file",
+    "UrdfFiles": "a part of a robot file",
+    "UrdfTree": "a part of a `Draft`",
+}
+"""Classes in public annotations that have no public name, and why; `docs/formats` describes the parts of files."""
 QUANTITY = re.compile(r"\b(float|Array|\w*Vector3|\w*Interval|Number|Positive|NotNegative|Length)\b")
 """Annotations of what may have a unit."""
 
@@ -129,6 +144,49 @@ def test_no_module_and_no_name_of_another_package_leaks() -> None:
     assert all(type(criterion) is pinograsp.Criterion for criterion in pinograsp.CRITERIA)
 
 
+def _annotated(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield what is annotated, and its annotations: parameters, results, fields, properties and methods."""
+    if inspect.isfunction(value):
+        yield name, value
+        return
+    for base in value.__mro__ if inspect.isclass(value) else ():
+        if not base.__module__.startswith("pinograsp"):
+            continue
+        yield name, base
+        for key, member in list(vars(base).items()):
+            member = getattr(member, "__func__", getattr(member, "fget", getattr(member, "func", member)))
+            if inspect.isfunction(member) and (not key.startswith("_") or key == "__init__"):
+                yield f"{name}.{key}", member
+
+
+def _classes_in(annotation: Any) -> Iterator[type]:
+    if isinstance(annotation, list | tuple):
+        parts = annotation
+    else:
+        parts = get_args(annotation)
+        if not parts and inspect.isclass(annotation):
+            yield annotation
+    for part in parts:
+        yield from _classes_in(part)
+
+
+def test_classes_of_public_annotations_are_public() -> None:
+    """What a public call takes or returns has a public name; a protocol stands for whatever has its attributes."""
+    values = {name: _value(name) for name in OWN}
+    values |= {name: _value(f"visualization.{name}") for name in pinograsp.visualization.__all__}
+    public = {id(value) for value in values.values()}
+    found: dict[str, set[str]] = {}
+    for name, value in values.items():
+        for where, annotated in _annotated(name, value):
+            for key, annotation in get_type_hints(annotated).items():
+                for kind in () if key.startswith("_") else _classes_in(annotation):
+                    own = kind.__module__.startswith("pinograsp") and not getattr(kind, "_is_protocol", False)
+                    if own and id(kind) not in public:
+                        found.setdefault(kind.__name__, set()).add(f"{where}: {key}")
+    assert {name: places for name, places in found.items() if name not in PARTS} == {}
+    assert PARTS.keys() <= found.keys()
+
+
 def test_every_name_is_a_class_a_function_or_a_constant_with_its_own_docstring() -> None:
     for name in OWN:
         value = getattr(pinograsp, name)
@@ -190,9 +248,7 @@ def test_files_are_given_as_texts_or_paths() -> None:
                 for key, value in members.items()
                 if inspect.isfunction(value) and not value.__name__.startswith("_")
             }
-    internal = {"Database", "Database.create"}  # an open file; what `build_database` calls
-    assert internal <= functions.keys()
-    for name in functions.keys() - internal:
+    for name in functions.keys() - {"Database"}:  # which holds a file that is open
         for parameter in inspect.signature(functions[name]).parameters.values():
             kinds = re.split(r"\W+", str(parameter.annotation))
             assert "Path" not in kinds or "str" in kinds, f"{name}: {parameter}"

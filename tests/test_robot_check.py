@@ -58,6 +58,17 @@ def said(report: RobotReport, level: str) -> list[str]:
 # ---- findings
 
 
+def test_a_report_is_a_record(check: Check) -> None:
+    report = check()
+    assert report == check()
+    assert report != check({'"-1.5" upper="1.5"': '"0" upper="0"'})
+    data = json.loads(json.dumps(report.to_json(), allow_nan=False))
+    assert data.keys() == {"name", "findings", "links", "wrong"}
+    assert (data["name"], data["wrong"]) == (report.name, False)
+    assert [finding["what"] for finding in data["findings"]] == [finding.what for finding in report.findings]
+    assert [link["excess"] for link in data["links"]] == [link.excess for link in report.links]
+
+
 def test_nothing_is_wrong_with_the_toy(check: Check) -> None:
     report = check()
     assert said(report, "wrong") == []
@@ -208,7 +219,7 @@ def test_the_urdf_is_read_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     monkeypatch.setattr(urdf, "parse", lambda file, tag: (read.append(file.name), parse(file, tag))[1])
     report = check_robot(write_toy(tmp_path, {}))
     assert report.robot is not None
-    write_robot_html(report.robot, [], tmp_path / "page.html")
+    write_robot_html(report.robot, tmp_path / "page.html")
     assert read == ["toy.urdf"]
 
 
@@ -274,7 +285,7 @@ def placed(data: dict[str, Any], posture: Array) -> dict[str, Array]:
 def test_sliders_move_what_is_drawn(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
     robot: Robot = request.getfixturevalue(name)
     file = tmp_path / "page.html"
-    write_robot_html(robot, [], file)
+    write_robot_html(robot, file)
     page = file.read_text()
     data = page_data(page)
     for i, joint in enumerate(robot.posture_names):

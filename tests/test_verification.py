@@ -19,6 +19,7 @@ from pinograsp.descriptions import Scene, load_robot_description, load_scene
 from pinograsp.descriptions.robot import RobotDescription
 from pinograsp.descriptions.scene import Body
 from pinograsp.errors import InputError
+from pinograsp.kinematics.robot import Robot
 from pinograsp.verification import Certificate, Claim, Figure
 from pinograsp.verification.check import Verifier
 from pinograsp.verification.clearance import Placed, self_figure, shape_figure
@@ -42,6 +43,24 @@ def robot() -> RobotDescription:
 @pytest.fixture(scope="module")
 def glovebox(robot: RobotDescription) -> Verifier:
     return Verifier(robot, load_scene("glovebox"), "sphere")
+
+
+def test_a_robot_or_the_content_of_its_file(robot: RobotDescription, gen3: Robot, case: Case) -> None:
+    given: tuple[Any, ...] = (robot, gen3)
+    first, second = (Verifier(robot, case.scene(), "sphere").check(case.claim) for robot in given)
+    assert first == second
+
+
+@pytest.mark.parametrize(
+    ("robot", "scene", "words"),
+    [
+        ("gen3_2f85", None, "robot: must be of class Robot or RobotDescription, not 'gen3_2f85'"),
+        (None, "glovebox", "scene: must be of class Scene, not 'glovebox'"),
+    ],
+)
+def test_other_arguments(gen3: Robot, robot: Any, scene: Any, words: str) -> None:
+    with pytest.raises(InputError, match=f"^{words}"):
+        Verifier(robot or gen3, scene or load_scene("glovebox"), "sphere")
 
 
 def scene_with(**changes: Any) -> Scene:

@@ -59,7 +59,7 @@ def own_configurations(robot: Robot, scene: Scene) -> None:
             for pair in checked.clearances:
                 print(pair.link, pair.other, pair.distance)
         planner.move("sphere", pinograsp.Pose(position=(0.5, 0.0, 0.2)))
-        verifier = pinograsp.Verifier(robot.description, planner.scene, "sphere")
+        verifier = pinograsp.Verifier(robot, planner.scene, "sphere")
         certificate: pinograsp.Certificate = verifier.check(next(planner.grasps("sphere")).claim)
         print(certificate.verified)
 

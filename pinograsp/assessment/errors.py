@@ -90,7 +90,12 @@ class Draw(Record):
 
     @classmethod
     def none(cls, friction: float, joints: int) -> Draw:
-        """Return no errors: the task's friction, and as many zeros as the arm has joints."""
+        """Return no errors.
+
+        Args:
+            friction: the task's coefficient.
+            joints: number of the arm's joints.
+        """
         zero = np.zeros(3)
         return cls(zero, zero, friction, 1.0, zero, np.zeros(joints))
 

@@ -34,7 +34,7 @@ from ..kinematics.robot import Robot
 from ..results import Grasp
 from ..verification import Certificate, Claim
 from ..verification.balance import BalanceProblem
-from ..verification.check import Verifier
+from ..verification.check import Verifier, hold
 from .closing import Closed, Closing, moved
 from .errors import Draw
 from .verdict import COLLIDES, LOST, OFF_PAD, PENETRATES, SLIPS, TOUCHES, Verdict
@@ -84,7 +84,7 @@ class Judge:
         cause, where = _no_contact(certificate)
         if cause is not None:
             return Verdict(cause, where, -math.inf, False)
-        margin = self._margin(verifier.hold(claim).problem, draw.weight)
+        margin = self._margin(hold(verifier, claim).problem, draw.weight)
         cause, where = _touching(certificate)
         if cause is None and margin < -BALANCED:
             cause = SLIPS
@@ -105,7 +105,7 @@ class Judge:
 
     def _problem(self, draw: Draw) -> BalanceProblem:
         closed = self._closed(draw)
-        return self._verifier(closed.T_world_object, draw).hold(self._claim(closed)).problem
+        return hold(self._verifier(closed.T_world_object, draw), self._claim(closed)).problem
 
     def _margin(self, problem: BalanceProblem, weight: float) -> float:
         margin = problem.margin(weight * self.task.wrench.vector)

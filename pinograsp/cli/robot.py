@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -71,7 +70,7 @@ def check(
         report = pinograsp.check_robot(robot, progress)
     page = out / file_name(report.name, "check", suffix="html")
     saved = [save(page, lambda: _write_page(report, page))] if report.robot is not None else []
-    terminal.find(lambda: _document(report), lambda: _report(report, terminal))
+    terminal.find(report.to_json, lambda: _report(report, terminal))
     for line in saved:
         terminal.say(line)
     if saved and open_page:
@@ -144,15 +143,6 @@ def new(
     terminal.say(f"next: pinograsp robot check {file}")
 
 
-def _document(report: pinograsp.RobotReport) -> dict[str, Any]:
-    return {
-        "name": report.name,
-        "wrong": report.wrong,
-        "findings": [dataclasses.asdict(finding) for finding in report.findings],
-        "links": [dataclasses.asdict(link) for link in report.links],
-    }
-
-
 def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
     from ..onboarding.table import findings_table, links_table, summary
 
@@ -164,11 +154,8 @@ def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
 
 
 def _write_page(report: pinograsp.RobotReport, page: Path) -> None:
-    from ..visualization.robot_page import Remark, write_robot_html
-
     assert report.robot is not None
-    remarks = [Remark(finding.level, finding.what, finding.remedy) for finding in report.findings]
-    write_robot_html(report.robot, remarks, page)
+    pinograsp.visualization.write_robot_html(report.robot, page, report.findings)
 
 
 def _new_document(file: Path, found: Draft, marked: dict[int, str]) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
 from .spread import Spread
-from .store import Database, columns, create_tables, interruptible
+from .store import Database, columns, create, create_tables, interruptible, require_identity, set_metadata
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
@@ -97,7 +97,7 @@ def _add(path: Path, batches: Generator[Batch], pace: _Pace) -> None:
         # Wait for the first before the file is opened: workers must not be forked with DuckDB's threads.
         first = next(batches)
         with Database.open(path, read_only=False) as database:
-            database.set_metadata("layout", "unsorted")
+            set_metadata(database, "layout", "unsorted")
             for batch in itertools.chain([first], batches):
                 _insert(database, batch)
                 pace.step(batch.accepted, database)
@@ -128,10 +128,10 @@ def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database
     """Open the database for writing, or make it; refuse one made otherwise."""
     if not path.exists():
         facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
-        return Database.create(path, identity, facts)
+        return create(path, identity, facts)
     database = Database.open(path, read_only=False)
     try:
-        database.require(identity)
+        require_identity(database, identity)
         found = database.metadata()
         for key, wanted in (("seed", seed), ("spread", spread)):
             if found[key] != wanted:

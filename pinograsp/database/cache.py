@@ -13,7 +13,7 @@ from ..kinematics.robot import Robot
 from ..progress import Report, no_report
 from .build import build_database
 from .identity import Identity
-from .store import Database
+from .store import Database, require_identity
 
 SIZE = 100_000
 """Configurations in a cached database."""
@@ -61,7 +61,7 @@ def _complete(file: Path, identity: Identity) -> Database | None:
         return None
     database = Database.open(file)
     try:
-        database.require(identity)
+        require_identity(database, identity)
         complete = database.metadata()["layout"] == "sorted"
     except InputError:
         database.close()

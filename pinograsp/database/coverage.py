@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
-from .store import Database
+from ..frozen import Record
+from .store import Database, identity_of
 
 SECTORS = 24
 """Approach directions are told apart by largest component with sign (6) and the signs of the two others (4)."""
 
 
-@dataclass(frozen=True)
-class Coverage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Coverage(Record):
     """Counts per voxel of the enclosure."""
 
     origin: Array
@@ -34,7 +35,7 @@ class Coverage:
             database: an open database.
             voxel: edge of a voxel, m.
         """
-        walls = database.identity.enclosure["walls"]
+        walls = identity_of(database).enclosure["walls"]
         origin, end = np.array(walls["min"]), np.array(walls["max"])
         shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)
         places = ", ".join(

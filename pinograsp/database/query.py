@@ -20,6 +20,7 @@ import numpy as np
 
 from ..arrays import Array, real_array
 from ..errors import UnknownNameError, close_names, real_number, require_kind, whole_number
+from ..frozen import Record
 from ..geometry.cone import Cone
 from .store import Database
 
@@ -37,9 +38,9 @@ Intervals = Mapping[str, Sequence[tuple[float, float]]]
 """Arm joints by name, with intervals, rad (m), of which one must hold the angle."""
 
 
-@dataclass(frozen=True)
-class Configurations:
-    """Rows of a database."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Configurations(Record):
+    """Rows of a database, from `configurations_near` or `spread_configurations`."""
 
     q: Array
     """Arm joints in the order of the robot file, rad (m), shape (N, l)."""
@@ -48,7 +49,7 @@ class Configurations:
     approaches: Array
     """Approach directions, world, shape (N, 3)."""
     clearances: Array
-    """m, shape (N,)."""
+    """Least distance of the robot to the enclosure, obstacles and itself, m, shape (N,)."""
     samples: Array
     """Numbers of the samples, shape (N,)."""
 

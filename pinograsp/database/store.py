@@ -40,11 +40,13 @@ def columns(joints: int) -> dict[str, str]:
 
 
 class Database:
-    """An open database file; a context manager."""
+    """An open database file, from `build_database` or `Database.open`; a context manager."""
 
     def __init__(self, file: Path, connection: duckdb.DuckDBPyConnection) -> None:
         self.file = file
+        """Where it is."""
         self.connection = connection
+        """To DuckDB: the rows are in its table `configurations`."""
 
     @classmethod
     def open(cls, file: Path | str, *, read_only: bool = True) -> Database:
@@ -87,27 +89,6 @@ class Database:
             raise
         return database
 
-    @classmethod
-    def create(cls, file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
-        """Make a new, empty database; it appears whole or not at all.
-
-        Args:
-            file: the database; its folder is made.
-            identity: what it belongs to.
-            facts: further metadata, data for JSON.
-        """
-        file.parent.mkdir(parents=True, exist_ok=True)
-        partial = file.with_name(file.name + ".partial")
-        partial.unlink(missing_ok=True)
-        with duckdb.connect(str(partial)) as connection:
-            create_tables(connection, len(identity.robot["joints"]))
-            facts = {"application": APPLICATION, "format": FORMAT, **facts}
-            rows = [(key, json.dumps(value)) for key, value in facts.items()]
-            rows.append(("identity", identity.to_json()))
-            connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
-        partial.replace(file)
-        return cls.open(file, read_only=False)
-
     def __enter__(self) -> Database:
         """Return the database; it is closed at the end of the block."""
         return self
@@ -127,48 +108,19 @@ class Database:
         rows = self.connection.execute("SELECT key, value FROM metadata").fetchall()
         return {key: json.loads(value) for key, value in rows}
 
-    def set_metadata(self, key: str, value: Any) -> None:
-        """Set one value of the metadata.
-
-        Args:
-            key: its name.
-            value: data for JSON.
-        """
-        self.connection.execute("INSERT OR REPLACE INTO metadata VALUES (?, ?)", [key, json.dumps(value)])
-
-    @property
-    def identity(self) -> Identity:
-        """Robot, enclosure and margins that the database belongs to."""
-        rows = self.connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
-        return Identity.from_json(rows[0][0])
-
-    def require(self, wanted: Identity) -> None:
-        """Refuse the database unless it belongs to this robot, enclosure and margins.
-
-        Raises:
-            DatabaseMismatchError: it does not; the message says in what it differs.
-        """
-        differences = self.identity.differences(wanted)
-        if differences:
-            raise DatabaseMismatchError(
-                "was made for " + " and ".join(differences),
-                file=self.file,
-                remedy="Build one for this robot and scene, or use the scene it was made for",
-            )
-
     def rows(self) -> int:
         """Return the number of configurations."""
         return int(self.connection.execute("SELECT count(*) FROM configurations").fetchall()[0][0])
 
     def joints(self) -> list[str]:
         """Return the arm joints in the order of q1, q2, ..."""
-        return list(self.identity.robot["joints"])
+        return list(identity_of(self).robot["joints"])
 
     def info(self) -> dict[str, Any]:
         """Return counts, layout, size and metadata."""
         drawn, batches = self.connection.execute("SELECT coalesce(sum(drawn), 0), count(*) FROM batches").fetchall()[0]
         facts = {key: value for key, value in self.metadata().items() if key != "identity"}
-        identity = self.identity
+        identity = identity_of(self)
         return {
             "rows": self.rows(),
             "samples drawn": int(drawn),
@@ -213,3 +165,50 @@ def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: s
     connection.execute(f"CREATE TABLE {catalog}configurations ({listed})")
     connection.execute(f"CREATE TABLE {catalog}batches (batch INTEGER PRIMARY KEY, drawn INTEGER, accepted INTEGER)")
     connection.execute(f"CREATE TABLE {catalog}metadata (key VARCHAR PRIMARY KEY, value VARCHAR)")
+
+
+def create(file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
+    """Make a new, empty database; it appears whole or not at all.
+
+    Args:
+        file: the database; its folder is made.
+        identity: what it belongs to.
+        facts: further metadata, data for JSON.
+    """
+    file.parent.mkdir(parents=True, exist_ok=True)
+    partial = file.with_name(file.name + ".partial")
+    partial.unlink(missing_ok=True)
+    with duckdb.connect(str(partial)) as connection:
+        create_tables(connection, len(identity.robot["joints"]))
+        facts = {"application": APPLICATION, "format": FORMAT, **facts}
+        rows = [(key, json.dumps(value)) for key, value in facts.items()]
+        rows.append(("identity", identity.to_json()))
+        connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
+    partial.replace(file)
+    return Database.open(file, read_only=False)
+
+
+def set_metadata(database: Database, key: str, value: Any) -> None:
+    """Set one value of the metadata, data for JSON."""
+    database.connection.execute("INSERT OR REPLACE INTO metadata VALUES (?, ?)", [key, json.dumps(value)])
+
+
+def identity_of(database: Database) -> Identity:
+    """Return robot, enclosure and margins that a database belongs to."""
+    rows = database.connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
+    return Identity.from_json(rows[0][0])
+
+
+def require_identity(database: Database, wanted: Identity) -> None:
+    """Refuse a database unless it belongs to this robot, enclosure and margins.
+
+    Raises:
+        DatabaseMismatchError: it does not; the message says in what it differs.
+    """
+    differences = identity_of(database).differences(wanted)
+    if differences:
+        raise DatabaseMismatchError(
+            "was made for " + " and ".join(differences),
+            file=database.file,
+            remedy="Build one for this robot and scene, or use the scene it was made for",
+        )

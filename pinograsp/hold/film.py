@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..disk import write_whole
-from ..errors import InputError
+from ..disk import as_path, write_whole
+from ..errors import InputError, require_kind
 from ..results import Grasp
 from .library import mujoco, pillow
 from .mjcf import OBJECT, TIMESTEP, HandAndObject
-from .options import HoldOptions
+from .options import HoldOptions, given_options
 from .simulation import LOOK_STEPS, Simulation
 
 _SIZE = (640, 480)
@@ -44,11 +44,12 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
         options: loads and control.
 
     Raises:
+        MissingExtraError: MuJoCo or Pillow is not installed.
         InputError: as `hold_test`, the file's name does not end in .gif, it cannot be written, or nothing can draw on
             this machine.
     """
-    file = film_file(file)
-    options = options or HoldOptions()
+    file, options = film_file(file), given_options(options)
+    require_kind("grasp", grasp, Grasp)
     model = HandAndObject(grasp.required_setup, options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
     simulation = Simulation(model, options, look=camera.look)
@@ -67,7 +68,7 @@ def film_file(file: Path | str) -> Path:
     Raises:
         InputError: the name does not end in .gif.
     """
-    file = Path(file)
+    file = as_path("file", file)
     if file.suffix.lower() != ".gif":
         raise InputError("a film is a GIF", file=file, remedy="Give a name that ends in .gif")
     return file
@@ -186,5 +187,5 @@ def _context() -> Any:
         return context
     raise InputError(
         f"no film can be drawn on this machine ({'; '.join(reasons)})",
-        remedy="Install EGL or OSMesa (libegl1, libosmesa6), or write the model with --mjcf and open it elsewhere",
+        remedy="Install EGL or OSMesa (libegl1, libosmesa6), or open what `write_mjcf` writes on another machine",
     )

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from ..errors import InputError, positive_number, real_number
+from ..errors import InputError, positive_number, real_number, require_kind
 
 
 @dataclass(frozen=True)
@@ -50,3 +50,14 @@ class HoldOptions:
             positive_number("friction", self.friction)
         if self.control not in ("auto", "torque", "position"):
             raise InputError(f"{self.control!r} is not auto, torque or position", key="control")
+
+
+def given_options(options: HoldOptions | None) -> HoldOptions:
+    """Return options that were given as an argument; None: the default ones.
+
+    Raises:
+        InputError: they are of another class.
+    """
+    if options is not None:
+        require_kind("options", options, HoldOptions, remedy="Give HoldOptions(...)")
+    return options or HoldOptions()

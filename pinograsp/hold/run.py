@@ -14,9 +14,10 @@ from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
+from ..verification.resistance import Q_FORCE
 from .library import mujoco
 from .mjcf import HandAndObject
-from .options import HoldOptions
+from .options import HoldOptions, given_options
 from .outcome import FirstSlip, HoldOutcome, PadForce
 from .simulation import Phase, Simulation
 
@@ -56,10 +57,7 @@ def hold_test(
     """
     if best is not None:
         whole_number("best", best, 1)
-    if options is not None:
-        require_kind("options", options, HoldOptions, remedy="Give HoldOptions(...)")
-    options = options or HoldOptions()
-    processes = own_workers(workers)
+    options, processes = given_options(options), own_workers(workers)
     mujoco()
     numbered = list(enumerate(in_order(grasps)[:best], 1))
     outcomes: list[HoldOutcome] = []
@@ -123,7 +121,7 @@ class HoldTest:
             pads=tuple(PadForce(pad, force, forces.get(pad, 0.0)) for pad, force in planned.items()),
             touching=tuple(sorted({link for phase in phases for link in phase.touched})),
             first_slip=slip,
-            predicted=next((f.value for f in grasp.certificate.figures if f.name == "Q_force"), None),
+            predicted=grasp.certificate[Q_FORCE].value if Q_FORCE in grasp.certificate else None,
             controls=self._controlled(grasp) if self._options.controls else {},
             seconds=time.perf_counter() - began,
         )

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..disk import as_path, write_whole
+from ..errors import require_kind
 from ..results import Grasp
 from .mjcf import HandAndObject
-from .options import HoldOptions
+from .options import HoldOptions, given_options
 
 
 def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = None) -> None:
@@ -21,7 +22,8 @@ def write_mjcf(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
         options: control and friction.
 
     Raises:
-        InputError: as `hold_test`, or the file cannot be written.
+        InputError: as `hold_test`; or the file cannot be written.
     """
-    bodies = HandAndObject(grasp.required_setup, options or HoldOptions())
+    require_kind("grasp", grasp, Grasp)
+    bodies = HandAndObject(grasp.required_setup, given_options(options))
     write_whole(as_path("file", file), bodies.model(grasp, shown=True).xml + "\n")

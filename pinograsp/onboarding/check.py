@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..compiled import compiling
 from ..descriptions import RobotDescription, load_robot_description
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
+from ..frozen import Record
 from ..kinematics.collision_elements import link_elements
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
@@ -22,16 +23,21 @@ from .meshes import link_figures, mesh_findings
 from .pads import pad_findings
 
 
-@dataclass(frozen=True)
-class RobotReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotReport(Record):
     """Findings of the check of a robot file."""
+
+    not_in_json = ("robot",)
+    also_in_json = ("wrong",)
 
     name: str
     """Of the robot."""
     findings: tuple[Finding, ...]
+    """Remarks, one by one."""
     links: tuple[LinkFigures, ...] = ()
-    robot: Robot | None = None
-    """None if the file gives no robot."""
+    """How closely the planner follows each link; empty if the file gives no robot."""
+    robot: Robot | None = field(default=None, repr=False, compare=False)
+    """The robot; None if the file gives none. It does not count in comparisons."""
 
     @property
     def wrong(self) -> bool:

@@ -31,10 +31,15 @@ class Draft:
     """Parts of a robot file that could be found."""
 
     composition: Composition
+    """The URDFs, and how they are put together."""
     tree: UrdfTree
+    """Links and joints of the whole."""
     chain: Chain
+    """Joints of the arm and of the hand, by name, as `arm` and `hand`."""
     pads: tuple[Facet, Facet] | None
+    """Flat faces of the fingers, each of a `link`, that close on each other; None: there are no such two."""
     wrist: str
+    """Name of the wrist link."""
     towards: bool
     """Whether the wrist's z axis points to the pads."""
 

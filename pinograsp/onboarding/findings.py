@@ -5,26 +5,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ..frozen import Record
+
 Level = Literal["ok", "doubtful", "wrong"]
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, eq=False, repr=False)
+class Finding(Record):
     """One thing that was looked at."""
 
     level: Level
     """wrong: no grasp can come of it; doubtful: most likely not meant so."""
     what: str
+    """The finding, in words."""
     remedy: str = ""
     """Words on how to mend it; empty where nothing is to be done."""
 
 
-@dataclass(frozen=True)
-class LinkFigures:
+@dataclass(frozen=True, eq=False, repr=False)
+class LinkFigures(Record):
     """How the collision geometry of one link looks to the planner."""
 
     link: str
+    """Name of the link."""
     triangles: int
+    """Number of triangles of its meshes."""
     closed: bool
     """Whether every edge belongs to two triangles."""
     pieces: int

@@ -13,8 +13,9 @@ from ..kinematics.robot import Robot
 from ..problem import TaskModel
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, ordered
-from ..verification import Certificate, Claim, Figure
+from ..verification import Claim, Figure
 from ..verification.check import Verifier
+from ..verification.resistance import is_graded, with_resistance
 
 Numbered = tuple[int, Claim]
 Graded = tuple[int, tuple[Figure, ...]]
@@ -22,7 +23,7 @@ Graded = tuple[int, tuple[Figure, ...]]
 
 def graded(grasp: Grasp, verifier: Verifier) -> Grasp:
     """Return a grasp with the figures of its resistance; tasks that ask for them have certificates that hold them."""
-    return grasp if _has_grade(grasp) else _with(grasp, verifier.resistance(grasp.claim))
+    return grasp if is_graded(grasp.certificate) else _with(grasp, verifier.resistance(grasp.claim))
 
 
 def all_graded(
@@ -38,7 +39,7 @@ def all_graded(
         workers: share the work.
         report: called after every grasp.
     """
-    items = [(number, grasp.claim) for number, grasp in enumerate(grasps) if not _has_grade(grasp)]
+    items = [(number, grasp.claim) for number, grasp in enumerate(grasps) if not is_graded(grasp.certificate)]
     found, whole = dict[int, tuple[Figure, ...]](), True
     try:
         prepare = partial(_grader, model.robot.unmounted, model.scene, model.task_name)
@@ -51,12 +52,8 @@ def all_graded(
     return ordered([_with(grasp, found.get(number, ())) for number, grasp in enumerate(grasps)]), whole
 
 
-def _has_grade(grasp: Grasp) -> bool:
-    return any(figure.name == "Q_force" for figure in grasp.certificate.figures)
-
-
 def _with(grasp: Grasp, figures: tuple[Figure, ...]) -> Grasp:
-    return replace(grasp, certificate=Certificate((*grasp.certificate.figures, *figures)))
+    return replace(grasp, certificate=with_resistance(grasp.certificate, figures))
 
 
 def _grader(robot: Robot, scene: Scene, task: str) -> Callable[[Numbered], Graded]:

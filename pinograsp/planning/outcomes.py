@@ -14,6 +14,7 @@ from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
+from ..verification.resistance import Q_FORCE
 from .attempt import Attempt
 
 
@@ -74,7 +75,7 @@ def _refuted(attempt: Attempt) -> bool:
 def too_weak(attempt: Attempt) -> bool:
     """Whether all that an attempt lacks is that its grasp withstands as much as the task asks for."""
     certificate = attempt.certificate
-    return certificate is not None and [figure.name for figure in certificate.refuted_by] == ["Q_force"]
+    return certificate is not None and [figure.name for figure in certificate.refuted_by] == [Q_FORCE]
 
 
 def _times(attempts: Sequence[Attempt]) -> dict[str, float]:

@@ -16,7 +16,7 @@ from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
 from ..database.identity import Identity
-from ..database.store import Database
+from ..database.store import Database, identity_of, require_identity
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.scene import Margins
@@ -151,7 +151,7 @@ class Planner:
             database = self._database(model.task.margin)
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
-            identity = database.identity.digest
+            identity = identity_of(database).digest
             run.facts["database"] = {"file": str(database.file), "rows": database.rows(), "identity": identity}
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
@@ -257,7 +257,7 @@ class Planner:
         indices, margins = _indices(self._robot.unmounted), model.task.margin
         database = self._database(margins)
         stat = database.file.stat()
-        key = (database.identity.digest, str(database.file.resolve()), stat.st_mtime_ns, stat.st_size)
+        key = (identity_of(database).digest, str(database.file.resolve()), stat.st_mtime_ns, stat.st_size)
         if key not in indices:
             indices[key] = StartIndex(database, self._robot.mounted(self._scene.mounting.matrix))
         return indices[key]
@@ -266,7 +266,7 @@ class Planner:
         """Return the database to take starts from, for certain the right one; what is opened here stays open."""
         identity = Identity.of(self._robot, self._scene, margins)
         if isinstance(self._given, Database):
-            self._given.require(identity)
+            require_identity(self._given, identity)
             return self._given
         if identity.digest not in self._opened:
             if self._given is None:
@@ -274,7 +274,7 @@ class Planner:
             else:
                 opened = Database.open(self._given)
             try:
-                opened.require(identity)
+                require_identity(opened, identity)
             except InputError:
                 opened.close()
                 raise

@@ -16,6 +16,7 @@ from ..frozen import Record
 from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
+from ..verification.resistance import is_graded
 from .grasp import Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
@@ -147,8 +148,7 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
 
 def _certificate(grasp: Grasp, verifier: Verifier) -> Certificate:
     """Return the certificate of a grasp; figures of resistance only if it has them: an interrupt leaves them out."""
-    graded = any(figure.name in {"Q_force", "Q_torque"} for figure in grasp.certificate.figures)
-    return verifier.certify(grasp.claim) if graded else verifier.check(grasp.claim)
+    return verifier.certify(grasp.claim) if is_graded(grasp.certificate) else verifier.check(grasp.claim)
 
 
 def _desired_points(setup: Setup, stated: Array) -> Array:

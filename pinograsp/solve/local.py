@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..problem import GraspProblem, State, TaskModel, Violation
-from .backends import Stop, backend_of
+from .backends import Limits, Stop, backend_of
 from .options import SolverOptions
 from .polish import polished
 from .projection import initial_guesses, nearest_assignment
@@ -80,7 +80,7 @@ class LocalSolver:
         runs = []
         for guess in islice(initial_guesses(problem, x, self._options.projection), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
-            stop = self._backend.solve(program_from(recorder, guess), self._options.limits)
+            stop = self._backend.solve(program_from(recorder, guess), limits(self._options))
             runs.append((recorder, stop))
             if recorder.feasible:
                 break
@@ -110,6 +110,16 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     seconds = time.perf_counter() - began
     outcome = _outcome(stop, recorder.feasible)
     return Solution(index, outcome, assignment, best.x, violations, evaluations, seconds, stop.message, state)
+
+
+def limits(options: SolverOptions) -> Limits:
+    """Return when a solve may stop."""
+    return Limits(
+        evaluations=options.budget,
+        violation=10.0 * options.tolerance,  # the last digits are polished
+        cost_change=options.cost_tolerance,
+        relative_cost_change=10.0 * options.cost_tolerance,
+    )
 
 
 def _outcome(stop: Stop, feasible: bool) -> Outcome:

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 from ..errors import UnknownNameError, close_names, real_number, whole_number
-from .backends import Limits, backend_of
+from .backends import backend_of
 
 Projection = Literal["nothing", "contacts", "contacts and clearance"]
 """Conditions of a grasp that a start is projected on."""
@@ -49,16 +49,6 @@ class SolverOptions:
     def budget(self) -> int:
         """Evaluations a start."""
         return self.max_evaluations or backend_of(self.algorithm).budget
-
-    @property
-    def limits(self) -> Limits:
-        """When a solve may stop."""
-        return Limits(
-            evaluations=self.budget,
-            violation=10.0 * self.tolerance,  # the last digits are polished
-            cost_change=self.cost_tolerance,
-            relative_cost_change=10.0 * self.cost_tolerance,
-        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the options as JSON data, the budget resolved."""

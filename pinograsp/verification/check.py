@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene, robot_for
-from ..errors import InputError, TaskError, UnknownNameError, close_names
+from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
 from .clearance import Placed, enclosure_figure, self_figure, shape_figure
@@ -23,7 +25,7 @@ from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
-from .resistance import Hold, drive_torques, hold_of, mass_of, resistance_figures
+from .resistance import Hold, drive_torques, hold_of, is_graded, mass_of, resistance_figures, with_resistance
 from .robot import read_robot
 from .shapes import PENETRATION, PlacedShape
 from .standing_out import standing_out
@@ -32,25 +34,36 @@ from .synergies import Synergies
 _LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
 
 
+class Described(Protocol):
+    """A robot that has the content of its robot file, as a `Robot` does; nothing else of it is used."""
+
+    @property
+    def description(self) -> RobotDescription:
+        """The content of the robot file."""
+
+
 class Verifier:
     """Checks grasps of one robot at one task; URDF, SRDF and meshes are read once for all tasks of a robot file.
 
     Args:
-        robot: the robot file.
-        scene: the scene file.
+        robot: from `load_robot`, or the content of a robot file, as the setup of a result has it.
+        scene: from `load_scene`.
         task_name: a task of the scene.
 
     Raises:
+        InputError: robot or scene is of another class.
         FileError: a file is missing or cannot be read.
         UnknownNameError: there is no such task, or a joint, link or pad that is named.
         TaskError: it asks for an acceleration without a mass.
     """
 
-    def __init__(self, robot: RobotDescription, scene: Scene, task_name: str) -> None:
-        read = read_robot(robot)
+    def __init__(self, robot: RobotDescription | Described, scene: Scene, task_name: str) -> None:
+        description = _description_of(robot)
+        require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+        read = read_robot(description)
         self._robot = read
         self._task = scene.task(task_name)
-        self._pads = robot_for(robot, scene, task_name).pads
+        self._pads = robot_for(description, scene, task_name).pads
         self._walls = scene.enclosure.walls
         self._kinematics = read.kinematics.mounted(scene.mounting.matrix)
         _require_ranges_known(scene, task_name, self._kinematics, read.synergies)
@@ -73,7 +86,7 @@ class Verifier:
         self._obstacle_pairs = [(mesh, obstacle) for mesh in read.moving for obstacle in obstacles]
 
     def check(self, claim: Claim) -> Certificate:
-        """Recompute every figure of a claim.
+        """Recompute every figure of a claim; those of its resistance only if the task says what is to be withstood.
 
         A claim with a number that is not finite gets figures that are all not a number.
 
@@ -91,14 +104,14 @@ class Verifier:
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
         """
-        figures = self.check(claim).figures
-        return Certificate(figures if self._task.withstand is not None else (*figures, *self.resistance(claim)))
+        certificate = self.check(claim)
+        return certificate if is_graded(certificate) else with_resistance(certificate, self.resistance(claim))
 
     def resistance(self, claim: Claim) -> tuple[Figure, ...]:
-        """Compute how strongly the object may be accelerated, Q_force and Q_torque (see `resistance`).
+        """Compute how strongly the object may be accelerated, Q_force and Q_torque in m/s^2 (see `resistance`).
 
-        None of them if neither the object nor the task's force gives a mass. Only a task that says what is to be
-        withstood has them in its certificates.
+        None of them if neither the object nor the task's force gives a mass. `certify` has them in every certificate,
+        `check` only if the task says what is to be withstood.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
@@ -106,17 +119,9 @@ class Verifier:
         if self._mass is None:
             return ()
         finite = _finite(claim)
-        figures = resistance_figures(self.hold(claim if finite else self._rest()), self._mass, self._task.withstand)
+        held = hold(self, claim if finite else self._rest())
+        figures = resistance_figures(held, self._mass, self._task.withstand)
         return figures if finite else _unknown(figures)
-
-    def hold(self, claim: Claim) -> Hold:
-        """Return what wrenches the contacts of a claim balance while the hand squeezes as planned.
-
-        Raises:
-            InputError: a joint is missing, or there is not one contact a pad.
-        """
-        self._require_complete(claim)
-        return self._hold(claim, self._kinematics.poses(claim.joints))
 
     def drive_torques(self, claim: Claim) -> Array:
         """Return the torques with which the hand's drives exert the forces of a claim, S^T J^T f.
@@ -275,6 +280,24 @@ class Verifier:
             raise InputError(f"the claim must have points and forces of shape ({contacts}, 3), one a pad")
         if claim.spin_torques.shape != (contacts,):
             raise InputError(f"the claim must have spin torques of shape ({contacts},), one a pad")
+
+
+def hold(verifier: Verifier, claim: Claim) -> Hold:
+    """Return what wrenches the contacts of a claim balance while the hand squeezes as planned.
+
+    Raises:
+        InputError: a joint is missing, or there is not one contact a pad.
+    """
+    verifier._require_complete(claim)
+    return verifier._hold(claim, verifier._kinematics.poses(claim.joints))
+
+
+def _description_of(robot: RobotDescription | Described) -> RobotDescription:
+    found = robot if isinstance(robot, RobotDescription) else getattr(robot, "description", None)
+    if not isinstance(found, RobotDescription):
+        problem = f"must be of class Robot or RobotDescription, not {reprlib.repr(robot)}"
+        raise InputError(problem, key="robot", remedy="Make it with `load_robot`")
+    return found
 
 
 def _finite(claim: Claim) -> bool:

@@ -13,7 +13,7 @@ class Derived(Record):
     """Recomputed from a claim; contact i belongs to pad i."""
 
     normals: Array
-    """Outward normals of the object at the contact points, world, shape (contacts, 3)."""
+    """Outward normals (unit vectors) of the object at the contact points, world, shape (contacts, 3)."""
     synergies: Array
     """Synergies that come nearest to the joint angles, rad (m), shape (synergies,)."""
     T_world_wrist: Array
@@ -23,4 +23,4 @@ class Derived(Record):
     joint_order: tuple[str, ...]
     """Names of the movable joints in the order in which the URDFs have them."""
     V: float
-    """Cost of the contact forces (A7)."""
+    """Cost of the contact forces (A7), no unit."""

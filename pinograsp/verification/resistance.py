@@ -38,11 +38,13 @@ from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
 from ..descriptions.scene import Object, Task
 from .balance import BalanceProblem, ContactPoints, Limits
-from .certificate import Figure
+from .certificate import Certificate, Figure
 from .claim import Claim
 from .contacts import Pads
 from .footprint import thinned
 
+Q_FORCE, Q_TORQUE = "Q_force", "Q_torque"
+"""Names of the figures."""
 ARM = 0.05
 """Arm at which the forces of Q_torque act, m."""
 CORNERS = 8
@@ -142,7 +144,17 @@ def resistance_figures(hold: Hold, mass: float, least: float | None) -> tuple[Fi
     torques = mass * ARM * np.hstack([nothing, _DIRECTIONS])
     Q = np.minimum(hold.problem.multiples(hold.load, np.vstack([forces, torques])), MOST).reshape(2, 6)
     limits = (-math.inf if least is None else least, -math.inf)
-    return tuple(_figure(*given) for given in zip(("Q_force", "Q_torque"), Q, limits, strict=True))
+    return tuple(_figure(*given) for given in zip((Q_FORCE, Q_TORQUE), Q, limits, strict=True))
+
+
+def is_graded(certificate: Certificate) -> bool:
+    """Return whether a certificate has the figures of the resistance."""
+    return Q_FORCE in certificate
+
+
+def with_resistance(certificate: Certificate, figures: Sequence[Figure]) -> Certificate:
+    """Return a certificate with the figures of the resistance after its own."""
+    return Certificate((*certificate.figures, *figures))
 
 
 def _figure(name: str, values: Array, limit: float) -> Figure:

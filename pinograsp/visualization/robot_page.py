@@ -7,13 +7,14 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import NamedTuple
+from typing import Protocol
 
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions.urdf import RobotUrdf
-from ..disk import write_whole
+from ..disk import as_path, write_whole
+from ..errors import require_kind
 from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
 from . import camera, colors
@@ -36,24 +37,37 @@ REST = 0.1
 _SEEN_FROM = np.array([1.0, -1.0, 0.6])
 
 
-class Remark(NamedTuple):
-    """One line of the panel."""
+class Remark(Protocol):
+    """One line of the panel, such as a `Finding`."""
 
-    level: str
-    """ok, doubtful or wrong."""
-    text: str
-    remedy: str
+    @property
+    def level(self) -> str:
+        """The level: ok, doubtful or wrong."""
+
+    @property
+    def what(self) -> str:
+        """The remark."""
+
+    @property
+    def remedy(self) -> str:
+        """Words on how to mend it; may be empty."""
 
 
-def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path | str) -> None:
+def write_robot_html(robot: Robot, file: Path | str, remarks: Sequence[Remark] = ()) -> None:
     """Write a robot as one HTML file: the picture, to turn with the mouse, beside joint sliders and remarks.
 
     The file is complete or not there; an older one is replaced. Links without visual geometry, or whose meshes for show
     are not found, are drawn as they are for collisions.
 
+    Args:
+        robot: from `load_robot`, or of a `RobotReport`.
+        file: where to write.
+        remarks: the findings of a `RobotReport`.
+
     Raises:
         InputError: a mesh cannot be drawn, or the file cannot be written.
     """
+    require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
     recorder = Recorder()
     world = Visualizer(window=recorder)[ROOT]
     posture = 0.5 * (robot.lower + robot.upper)
@@ -67,7 +81,7 @@ def write_robot_html(robot: Robot, remarks: Sequence[Remark], file: Path | str) 
         legend(colors.PAD_LEGEND),
         _remarks(remarks),
     )
-    write_whole(Path(file), page(robot.description.name, "\n".join(panel), recorder.commands, views))
+    write_whole(as_path("file", file), page(robot.description.name, "\n".join(panel), recorder.commands, views))
 
 
 def _draw(world: Visualizer, robot: Robot, posture: Array) -> tuple[Nodes, dict[str, camera.View]]:
@@ -149,6 +163,6 @@ def _remarks(remarks: Sequence[Remark]) -> str:
         style = {"wrong": "fails", "doubtful": "doubtful"}.get(remark.level, "")
         remedy = f"<small>{escape(remark.remedy)}</small>" if remark.remedy else ""
         rows.append(
-            f'<tr class="{style}"><td>{remark.level}</td><td class="text">{escape(remark.text)}{remedy}</td></tr>'
+            f'<tr class="{style}"><td>{remark.level}</td><td class="text">{escape(remark.what)}{remedy}</td></tr>'
         )
     return f"<table><caption>Check of the robot file</caption>{''.join(rows)}</table>"
