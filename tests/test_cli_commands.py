@@ -268,7 +268,7 @@ def test_numbers_out_of_range(run: Run, file: Path, command: str, options: list[
 
 def test_directions_out_of_range(run: Run) -> None:
     options = ("nosuch.duckdb", "--center", 0.8, 0, 0, "--cone")
-    assert "error: --angle 300°: must be at most 3.14159" in refused(
+    assert "error: --angle 300°: must be at most 3.14159 rad, not 5.23599" in refused(
         run("database", "query", *options, 0, 0, 1, "--angle", 300)
     )
     assert "error: --cone: has no direction: its length is 0" in refused(run("database", "query", *options, 0, 0, 0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -84,8 +84,12 @@ def hold(
         raise typer.Exit(INTERRUPTED)
     if out is not None:
         model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
-        for line in _drawn(grasps[0], options, model if mjcf else None, frames if film else None):
-            terminal.say(line)
+        if mjcf:
+            terminal.say(save(model, lambda: pinograsp.write_mjcf(grasps[0], model, options)))
+        if film:
+            with terminal.progress() as progress:
+                drawn = save(frames, lambda: pinograsp.write_film(grasps[0], frames, options, progress=progress))
+            terminal.say(drawn)
     if not all(outcome.held and not any(outcome.controls.values()) for outcome in outcomes):
         raise typer.Exit(NOT_HELD)
 
@@ -99,18 +103,6 @@ def _chosen(
     if not result.grasps:
         raise pinograsp.InputError("holds no grasp", file=file)
     return result.grasps[:best], 1
-
-
-def _drawn(grasp: pinograsp.Grasp, options: HoldOptions, model: Path | None, film: Path | None) -> Iterator[str]:
-    """Write model and film, and yield what to say of each."""
-    if model is not None:
-        from ..hold.write import write_mjcf
-
-        yield save(model, lambda: write_mjcf(grasp, model, options))
-    if film is not None:
-        from ..hold.film import write_film
-
-        yield save(film, lambda: write_film(grasp, film, options))
 
 
 def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions, terminal: Terminal) -> None:
