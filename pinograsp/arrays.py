@@ -32,6 +32,11 @@ def real_array(name: str, numbers: ArrayLike, *shape: int) -> Array:
     return array
 
 
+def without_turns(angles: Array) -> Array:
+    """Return angles less whole turns, from -pi to below pi, rad."""
+    return np.asarray(np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
+
+
 def skew(vectors: Array) -> Array:
     """Return the matrices [r]_x with [r]_x a = r x a, shape (..., 3, 3), for vectors of shape (..., 3)."""
     matrices = np.zeros((*vectors.shape, 3))

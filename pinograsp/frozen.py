@@ -57,12 +57,6 @@ class FrozenMapping(Mapping[str, Value]):
         """Return the value of a name, or a default."""
         return self._content.get(name, default)
 
-    def __or__(self, other: Mapping[str, Any]) -> dict[str, Any]:
-        return {**self, **other}
-
-    def __ror__(self, other: Mapping[str, Any]) -> dict[str, Any]:
-        return {**other, **self}
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Mapping) and same(self, other)
 

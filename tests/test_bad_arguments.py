@@ -12,6 +12,7 @@ import pytest
 import pinograsp
 from pinograsp import (
     Cone,
+    Coverage,
     Database,
     Errors,
     HoldOptions,
@@ -84,6 +85,11 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: pinograsp.write_film(3, "hand.gif"), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
     (lambda: pinograsp.write_film(3, 3), "file", ["must be of class Path or str"]),  # type: ignore[arg-type]
     (lambda: visualization.write_robot_html("toy", "toy.html"), "robot", ["load_robot"]),  # type: ignore[arg-type]
+    (lambda: Robot("gen3_2f85"), "description", ["must be of class RobotDescription", "load_robot"]),  # type: ignore[arg-type]
+    (lambda: Coverage.of(3), "database", ["must be of class Database, not 3"]),  # type: ignore[arg-type]
+    (lambda: configurations_near(3, [0, 0, 0], 1.0), "database", ["must be of class Database"]),  # type: ignore[arg-type]
+    (lambda: visualization.coverage_png(3, "a.png", ""), "coverage", ["must be of class Coverage"]),  # type: ignore[arg-type]
+    (lambda: visualization.coverage_html(3, "a.html", ""), "coverage", ["Coverage.of"]),  # type: ignore[arg-type]
     (lambda: verify(3), "result", ["must be of class Result, not 3", "read_json"]),  # type: ignore[arg-type]
     (lambda: write_json(3, "result.json"), "result", ["must be of class Result, not 3"]),  # type: ignore[arg-type]
     (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]
@@ -162,6 +168,9 @@ def test_a_query(rows: Database, changes: dict[str, Any], key: str, words: list[
 
 
 def test_numbers_of_a_query(rows: Database) -> None:
+    for voxel in (0.0, -0.1, NAN):
+        with pytest.raises(InputError, match=r"^voxel: must be"):
+            Coverage.of(rows, voxel)
     with pytest.raises(InputError, match=r"^limit: must be at least 0"):
         configurations_near(rows, np.zeros(3), 0.5, limit=-1)
     with pytest.raises(InputError, match=r"^count: must be at least 0"):
@@ -181,7 +190,13 @@ def test_seeds_of_any_size(rows: Database) -> None:
 
 @pytest.mark.parametrize(
     ("changes", "key"),
-    [({"size": 0}, "size"), ({"seed": -1}, "seed"), ({"spread": "joint"}, "spread"), ({"workers": 0}, "workers")],
+    [
+        ({"size": 0}, "size"),
+        ({"seed": -1}, "seed"),
+        ({"spread": "joint"}, "spread"),
+        ({"workers": 0}, "workers"),
+        ({"margins": 0.01}, "margins"),
+    ],
 )
 def test_a_database(toy: Robot, make_toy_scene: Any, tmp_path: Path, changes: dict[str, Any], key: str) -> None:
     with pytest.raises(InputError) as caught:

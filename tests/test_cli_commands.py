@@ -102,13 +102,13 @@ def test_rank_as_json(run: Run, result: Result, file: Path) -> None:
         "pareto": [],
     }
     expected = result.different(2, "clearance")
-    assert [(shown["starts"], shown["grasps"]) for shown in found["ranked"]] == [shown[1:] for shown in expected]
+    assert [(shown["starts"], shown["grasp_count"]) for shown in found["ranked"]] == [shown[1:] for shown in expected]
     assert [shown["grasp"] for shown in found["ranked"]] == [shown.grasp.to_json() for shown in expected]
     assert [shown["number"] for shown in found["ranked"]] == numbers(result, tuple(s.grasp for s in expected))
     code, output, _ = run("rank", file, "--by", "U", "--all", "--json")
     every = json.loads(output)["ranked"]
     assert [shown["number"] for shown in every] == numbers(result, result.ranked("U"))
-    assert [(shown["starts"], shown["grasps"]) for shown in every] == [(g.count, 1) for g in result.ranked("U")]
+    assert [(shown["starts"], shown["grasp_count"]) for shown in every] == [(g.count, 1) for g in result.ranked("U")]
 
 
 def test_rank_by_what_there_is_not(run: Run, file: Path) -> None:

@@ -138,9 +138,7 @@ def test_a_mapping_is_one() -> None:
     assert (mapping.get("a"), mapping.get("c"), mapping.get("c", 0.5)) == (2.0, None, 0.5)
     assert mapping == {"a": 2.0, "b": 1.0} == dict(mapping)
     assert mapping != {"a": 2.0}
-    assert mapping | {"a": 3.0} == {"b": 1.0, "a": 3.0}
-    assert {"a": 3.0, "c": 1.0} | mapping == {"a": 2.0, "b": 1.0, "c": 1.0}
-    assert type(mapping | {}) is dict
+    assert {**mapping, "a": 3.0} == {"b": 1.0, "a": 3.0}
     assert repr(mapping) == "{'b': 1.0, 'a': 2.0}"
 
 

@@ -284,7 +284,7 @@ def test_without_pillow(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_options_that_make_no_sense(wrong: dict[str, Any], key: str) -> None:
-    with pytest.raises(InputError, match=rf"^options\.{key}: "):
+    with pytest.raises(InputError, match=rf"^{key}: "):
         HoldOptions(**wrong)
 
 

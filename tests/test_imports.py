@@ -98,7 +98,20 @@ def test_robot_files_load_no_heavy_library() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["Assessment", "Certificate", "Claim", "Errors", "Figure", "HoldOptions", "HoldOutcome", "Margin", "SolverOptions"],
+    [
+        "Assessment",
+        "Certificate",
+        "Claim",
+        "Derived",
+        "Errors",
+        "Figure",
+        "HoldOptions",
+        "HoldOutcome",
+        "Margin",
+        "RobotDescription",
+        "SolverOptions",
+        "Verdict",
+    ],
 )
 def test_data_types_load_no_heavy_library(name: str) -> None:
     assert heavy_after(f"import pinograsp; pinograsp.{name}") == []

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pinograsp import InputError, Result, Robot, read_json, write_json
+from pinograsp.arrays import without_turns
 from pinograsp.descriptions import Scene
 from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, html, merge, ranking, table
 from pinograsp.results.criteria import numbers_of
@@ -386,9 +387,30 @@ DEGREE = math.radians(1.0)
 )
 def test_what_differs(wrist: Any, q: Any, differ: bool, setup: Setup) -> None:
     shown = result_of(setup, grasp(0, q=(0.0, 0.0)), grasp(1, wrist=wrist, q=q)).different()
-    assert [(one.grasp.start, one.starts, one.grasps) for one in shown] == (
+    assert [(one.grasp.start, one.starts, one.grasp_count) for one in shown] == (
         [(0, 1, 1), (1, 1, 1)] if differ else [(0, 2, 2)]
     )
+
+
+def test_numbers_of_grasps(setup: Setup) -> None:
+    """They are places in the result, whatever the order; also of grasps that were pickled, read or made anew."""
+    result = result_of(setup, grasp(0, 3.0), grasp(1, 1.0), grasp(2, 2.0))
+    assert [result.number_of(one) for one in result.grasps] == [1, 2, 3]
+    assert [result.number_of(one) for one in reversed(result.grasps)] == [3, 2, 1]
+    assert result.number_of(dataclasses.replace(result.grasps[1])) == 2
+    twins = result_of(setup, grasp(0, 1.0), grasp(0, 1.0))
+    assert [twins.number_of(one) for one in twins.grasps] == [1, 2]
+    for other in (grasp(7, 3.0), None):
+        with pytest.raises(InputError, match=r"^grasp: is no grasp of this result"):
+            result.number_of(other)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("angle", "expected"),
+    [(0.0, 0.0), (3.0, 3.0), (-3.0, -3.0), (2 * math.pi + 0.5, 0.5), (-7.0, 2 * math.pi - 7.0), (math.pi, -math.pi)],
+)
+def test_angles_without_whole_turns(angle: float, expected: float) -> None:
+    assert without_turns(np.array([angle]))[0] == pytest.approx(expected, abs=1e-12)
 
 
 def test_each_stands_behind_the_nearest_that_it_resembles(setup: Setup) -> None:
@@ -396,8 +418,8 @@ def test_each_stands_behind_the_nearest_that_it_resembles(setup: Setup) -> None:
     at = {0: 0.0, 1: 0.005, 2: 0.025, 3: 0.015, 4: 0.060}
     made = [grasp(i, 2.0 + 0.01 * i, count=10**i, wrist=pose(x)) for i, x in at.items()]
     result = result_of(setup, *made)
-    assert [(one.grasp.start, one.starts, one.grasps) for one in result.different(2)] == [(0, 11, 2), (2, 1100, 2)]
-    assert [(one.grasp.start, one.starts, one.grasps) for one in result.different(9)][2] == (4, 10_000, 1)
+    assert [(one.grasp.start, one.starts, one.grasp_count) for one in result.different(2)] == [(0, 11, 2), (2, 1100, 2)]
+    assert [(one.grasp.start, one.starts, one.grasp_count) for one in result.different(9)][2] == (4, 10_000, 1)
     assert [one.grasp.start for one in result.different(1)] == [0]
     assert result.different(0) == ()
 
@@ -430,11 +452,11 @@ def test_the_shown_differ_and_everything_near_is_behind(rows: list[Any], most: i
     assert shown[0].grasp.start == 0
     assert all(apart(a.grasp, b.grasp) > 1.0 - 1e-6 for a, b in itertools.combinations(shown, 2))
     near = [one for one in made if min(apart(one, other.grasp) for other in shown) <= 1.0 + 1e-6]
-    assert sum(one.grasps for one in shown) <= len(near)
+    assert sum(one.grasp_count for one in shown) <= len(near)
     if len(shown) < most:
-        assert sum(one.grasps for one in shown) == len(near) == len(made)
+        assert sum(one.grasp_count for one in shown) == len(near) == len(made)
     assert sum(one.starts for one in shown) <= sum(one.count for one in near)
-    assert all(one.grasps >= 1 for one in shown)
+    assert all(one.grasp_count >= 1 for one in shown)
 
 
 # From a file.

@@ -416,7 +416,7 @@ def test_the_hand_moves_its_pads_as_its_joints_say(case: Case) -> None:
             for joint in verifier._kinematics.joints
             if joint.mimics or joint.name == FINGERS
         }
-        return verifier._kinematics.poses(case.claim.joints | moved)
+        return verifier._kinematics.poses({**case.claim.joints, **moved})
 
     before, after = poses(OPENING - step), poses(OPENING + step)
     for pad, point in zip(case.robot.pads, case.claim.points, strict=True):

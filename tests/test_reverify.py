@@ -482,6 +482,7 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
         (None, "cannot be read"),
         ("{", "is not valid JSON"),
         (json.dumps(data | {"format_version": 2}), "format_version: format version 2 cannot be read"),
+        ('{"format_version": NaN}', "is not valid JSON: NaN is no number of JSON"),
         (json.dumps(data | {"setup": 3}), "is damaged"),
         (json.dumps(data | {"provenance": []}), "is damaged"),
         (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "is damaged"),
@@ -492,4 +493,5 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
         code, output, errors = run(file)
         assert (code, output) == (2, "")
         assert errors.startswith(f"error: {file}: {words}")
+        assert errors.rstrip().endswith(("Check the path", "Write it anew", "Plan again", "plan again"))
         assert errors.count("\n") == 1

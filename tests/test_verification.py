@@ -334,16 +334,16 @@ def test_pads_must_be_tangent(case: Case, verifier: Verifier) -> None:
 
 
 def test_limits_and_mimic_relations(case: Case, verifier: Verifier) -> None:
-    beyond = verifier.check(replace(case.claim, joints=case.claim.joints | {"joint_4": 2.6}))
+    beyond = verifier.check(replace(case.claim, joints={**case.claim.joints, "joint_4": 2.6}))
     assert beyond["joint limits"].value == pytest.approx(-0.03)
     assert beyond["joint limits"].where == "joint_4"
     assert "joint limits" in names(beyond)
     tip = "robotiq_85_mimic_right_finger_tip_joint"
-    crooked = verifier.check(replace(case.claim, joints=case.claim.joints | {tip: OPENING + 1e-4}))
+    crooked = verifier.check(replace(case.claim, joints={**case.claim.joints, tip: OPENING + 1e-4}))
     assert crooked["mimic joints"] == Figure("mimic joints", pytest.approx(1e-4), 1e-9, "rad", "at most", tip)
     assert "mimic joints" in names(crooked)
     turned = case.claim.joints["joint_1"] + 2 * math.pi  # a continuous joint
-    assert verifier.check(replace(case.claim, joints=case.claim.joints | {"joint_1": turned})).verified
+    assert verifier.check(replace(case.claim, joints={**case.claim.joints, "joint_1": turned})).verified
 
 
 def test_robot_file_narrows_the_limits(case: Case) -> None:
@@ -461,7 +461,7 @@ def test_self_collision_agrees_with_brute_force(robot: RobotDescription, verifie
 
 def test_pairs_called_never_are_checked(case: Case, verifier: Verifier) -> None:
     """Fingers closed beyond their limit pass through each other, which the SRDF calls impossible."""
-    certificate = verifier.check(replace(case.claim, joints=case.claim.joints | closed(verifier, 0.9)))
+    certificate = verifier.check(replace(case.claim, joints={**case.claim.joints, **closed(verifier, 0.9)}))
     assert {"self collision", "joint limits"} <= names(certificate)
     assert certificate["self collision"].value == -math.inf
 
@@ -488,7 +488,7 @@ def test_without_srdf_adjacent_links_are_left_out(robot: RobotDescription) -> No
 @pytest.mark.parametrize("bad", [math.nan, math.inf, 1e300])
 def test_numbers_that_are_not_finite(case: Case, verifier: Verifier, bad: float) -> None:
     spoilt = [
-        replace(case.claim, joints=case.claim.joints | {"joint_3": bad}),
+        replace(case.claim, joints={**case.claim.joints, "joint_3": bad}),
         replace(case.claim, points=np.full((2, 3), bad)),
         replace(case.claim, forces=np.full((2, 3), bad)),
         replace(case.claim, spin_torques=np.full(2, bad)),

@@ -96,10 +96,9 @@ def _listed(
 def _document(
     result: pinograsp.Result, by: str, criteria: list[str], listed: tuple[pinograsp.Different, ...]
 ) -> dict[str, object]:
-    number_of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
     shown = [
-        {"number": number_of[id(grasp)], "starts": starts, "grasps": grasps, "grasp": grasp.to_json()}
-        for grasp, starts, grasps in listed
+        {"number": result.number_of(grasp), "starts": starts, "grasp_count": grasp_count, "grasp": grasp.to_json()}
+        for grasp, starts, grasp_count in listed
     ]
     names = {"robot": result.robot, "scene": result.scene, "task": result.task}
     return {**names, "by": by, "pareto": criteria, "ranked": shown}

@@ -78,6 +78,8 @@ def build_database(
     size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
     if spread not in (known := get_args(Spread)):
         raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
+    if margins is not None:
+        require_kind("margins", margins, Margins)
     margins = margins or Margins()
     identity = Identity.of(robot, scene, margins)
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
+from ..errors import positive_number, require_kind
 from ..frozen import Record
 from .store import Database, identity_of
 
@@ -34,7 +35,12 @@ class Coverage(Record):
         Args:
             database: an open database.
             voxel: edge of a voxel, m.
+
+        Raises:
+            InputError: the edge is not positive, or the database is none.
         """
+        require_kind("database", database, Database, remedy="Open it with `Database.open`")
+        voxel = positive_number("voxel", voxel)
         walls = identity_of(database).enclosure["walls"]
         origin, end = np.array(walls["min"]), np.array(walls["max"])
         shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)

@@ -138,6 +138,7 @@ def _condition(
     database: Database, center: Array, extent: float | Array, cone: Cone | None, joints: Intervals
 ) -> tuple[str, dict[str, Any]]:
     """Return a WHERE clause with its parameters."""
+    require_kind("database", database, Database, remedy="Open it with `Database.open`")
     ball = np.ndim(extent) == 0
     half = real_array("extent", np.broadcast_to(extent, 3) if ball else extent, 3)
     real_number("extent", half.min(), 0.0)

@@ -226,32 +226,32 @@ def _best_plane(trial: _Trial) -> _Plane:
     ]
     values = [trial(plane) for plane in planes]
     best = int(np.argmin(values))
-    shift = float(np.ptp(trial.vertices @ planes[best].normal)) / (2 * (_PLACES + 1))
-    return _pattern_search(trial, planes[best], values[best], shift, trial.vertices.mean(axis=0))
+    translation = float(np.ptp(trial.vertices @ planes[best].normal)) / (2 * (_PLACES + 1))
+    return _pattern_search(trial, planes[best], values[best], translation, trial.vertices.mean(axis=0))
 
 
 def _pattern_search(
-    excess: Callable[[_Plane], float], plane: _Plane, least: float, shift: float, middle: Array
+    excess: Callable[[_Plane], float], plane: _Plane, least: float, translation: float, middle: Array
 ) -> _Plane:
-    """Turn and shift a plane, each time to the first better one; where there is none, with half the step."""
-    turn = 0.25
+    """Rotate and translate a plane, each time to the first better one; where there is none, with half the step."""
+    rotation = 0.25
     for _ in range(_PATTERN_STEPS):
         across = np.cross(plane.normal, np.eye(3)[int(np.abs(plane.normal).argmin())])
         across /= np.linalg.norm(across)
         axes = (across, np.cross(plane.normal, across))
-        moves = [_turned(plane, step * axis, middle) for axis in axes for step in (turn, -turn)]
-        moves += [_Plane(plane.normal, plane.offset + step) for step in (shift, -shift)]
+        moves = [_rotated(plane, step * axis, middle) for axis in axes for step in (rotation, -rotation)]
+        moves += [_Plane(plane.normal, plane.offset + step) for step in (translation, -translation)]
         for move in moves:
             found = excess(move)
             if found < least:
                 least, plane = found, move
                 break
         else:
-            turn, shift = 0.5 * turn, 0.5 * shift
+            rotation, translation = 0.5 * rotation, 0.5 * translation
     return plane
 
 
-def _turned(plane: _Plane, change: Array, middle: Array) -> _Plane:
+def _rotated(plane: _Plane, change: Array, middle: Array) -> _Plane:
     """Add to the normal, about the point of the plane that is nearest to `middle`."""
     normal = plane.normal + change
     normal /= np.linalg.norm(normal)
@@ -268,9 +268,9 @@ def _lattice() -> Array:
 def _fan(count: int) -> Array:
     """Return directions spread evenly by the golden angle, shape (count, 3)."""
     k = np.arange(count) + 0.5
-    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
+    z, longitude = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
     rho = np.sqrt(1.0 - z * z)
-    return np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
+    return np.column_stack([rho * np.cos(longitude), rho * np.sin(longitude), z])
 
 
 _LATTICE = _lattice()

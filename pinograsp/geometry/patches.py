@@ -57,8 +57,8 @@ def inside_rim(patch: Patch, reserve: float) -> Array:
     if isinstance(patch, SpherePatch):
         steepest = float(np.abs(limits[1]).max()) - reserve / patch.radius
         lengths[:] = patch.radius * math.cos(max(steepest, 0.0)), patch.radius
-    turns = isinstance(patch, CylinderPatch | SpherePatch) & (limits[:, 1] - limits[:, 0] >= math.tau - 1e-9)
-    step = np.where(turns, 0.0, reserve / lengths)
+    closed = isinstance(patch, CylinderPatch | SpherePatch) & (limits[:, 1] - limits[:, 0] >= math.tau - 1e-9)
+    step = np.where(closed, 0.0, reserve / lengths)
     return np.asarray(limits + step[:, None] * [1.0, -1.0])
 
 

@@ -52,11 +52,11 @@ class BatchKinematics:
             group, parent = self.group_of[joint], self.group_of[model.parents[joint]]
             column = model.joints[joint].idx_v
             motion = pin.getJointJacobian(model, data, joint, pin.LOCAL).reshape(6, model.nv)[:, column]
-            turns = bool(motion[3:].any())
-            frame = data.oMi[joint].homogeneous @ _along_z(motion[3:] if turns else motion[:3])
+            revolute = bool(motion[3:].any())
+            frame = data.oMi[joint].homogeneous @ _along_z(motion[3:] if revolute else motion[:3])
             self._zero[group] = frame
             base = np.eye(4) if parent == WORLD else self._zero[parent]
-            self._steps.append((group, parent, np.linalg.inv(base) @ frame, turns))
+            self._steps.append((group, parent, np.linalg.inv(base) @ frame, revolute))
         self._joint_poses = {joint: data.oMi[joint].homogeneous for joint in range(model.njoints)}
         wrist = model.frames[robot.wrist_frame]
         self._wrist_group = self.group_of[wrist.parentJoint]
@@ -73,14 +73,14 @@ class BatchKinematics:
         count = len(q)
         rotations = np.empty((q.shape[1], count, 3, 3))
         translations = np.empty((q.shape[1], count, 3))
-        for group, parent, step, turns in self._steps:
+        for group, parent, step, revolute in self._steps:
             if parent == WORLD:
                 R = np.broadcast_to(step[:3, :3], (count, 3, 3))
                 p = np.broadcast_to(step[:3, 3], (count, 3))
             else:
                 R = (rotations[parent].reshape(-1, 3) @ step[:3, :3]).reshape(count, 3, 3)
                 p = rotations[parent] @ step[:3, 3] + translations[parent]
-            if turns:
+            if revolute:
                 c, s = np.cos(q[:, group, None]), np.sin(q[:, group, None])
                 rotations[group, :, :, 0] = c * R[:, :, 0] + s * R[:, :, 1]
                 rotations[group, :, :, 1] = c * R[:, :, 1] - s * R[:, :, 0]

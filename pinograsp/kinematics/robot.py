@@ -27,7 +27,7 @@ from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
 from ..descriptions.urdf import Mimic
-from ..errors import InputError
+from ..errors import InputError, require_kind
 from ..geometry.patches import patch_point
 from . import urdf
 from .names import check_names
@@ -75,6 +75,7 @@ class Robot:
     """
 
     def __init__(self, description: RobotDescription) -> None:
+        require_kind("description", description, RobotDescription, remedy="Load the robot with `load_robot`")
         self.unmounted = self
         """The robot with its root link at the world's origin, from which this one was made."""
         self.description = description

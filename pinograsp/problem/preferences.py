@@ -14,7 +14,6 @@ from ..geometry.cone import Cone
 from ..geometry.patches import inside_rim
 from ..kinematics.robot import Robot
 
-WHOLE_TURN = 2.0 * math.pi
 ROUNDING = 1e-9
 """How far the value of a lock may be outside the limits and still be their end, rad (m)."""
 
@@ -50,7 +49,7 @@ def posture_bounds(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, A
         i = names.index(interval.name)
         low, high = interval.lower, interval.upper
         if robot.turns_freely(interval.name):
-            shift = WHOLE_TURN * round(0.5 * (low + high - lower[i] - upper[i]) / WHOLE_TURN)
+            shift = math.tau * round(0.5 * (low + high - lower[i] - upper[i]) / math.tau)
             low, high = low - shift, high - shift
         room = min(upper[i], high) - max(lower[i], low)
         if room < -ROUNDING or (room <= 0.0 and low < high):

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, without_turns
 from ..errors import whole_number
 from .grasp import Grasp
 
@@ -37,7 +37,7 @@ class Different(NamedTuple):
     grasp: Grasp
     starts: int
     """Number of starts that found it or a grasp behind it."""
-    grasps: int
+    grasp_count: int
     """Number of distinct grasps that it stands for, itself included."""
 
 
@@ -83,5 +83,5 @@ def differences(T: Array, q: Array, one: int) -> Array:
     # The chord of a rotation keeps its digits at small angles, where the arc cosine of the trace loses them.
     chord = np.linalg.norm(T[:, :3, :3] - T[one, :3, :3], axis=(1, 2)) / math.sqrt(8.0)
     rotation = 2.0 * np.arcsin(np.minimum(chord, 1.0))
-    joint = np.abs(np.remainder(q - q[one] + math.pi, 2 * math.pi) - math.pi).max(axis=1)
+    joint = np.abs(without_turns(q - q[one])).max(axis=1)
     return np.asarray(np.max([position / POSITION, rotation / ROTATION, joint / JOINT], axis=0))

@@ -29,21 +29,19 @@ def result_html(result: Result) -> str:
     return listed + notebook.table("Starts", [notebook.row([line]) for line in outcome_lines(result)])
 
 
-def grasp_rows(result: Result, by: str = SCORE, most: int = 10) -> list[list[str]]:
+def grasp_rows(result: Result, by: str = SCORE) -> list[list[str]]:
     """Return the best grasps that differ from each other as cells: number in the result, starts, and `columns`.
 
     Args:
         result: with any number of grasps.
         by: the order in which they are chosen, as for `Result.ranked`.
-        most: number of grasps at most.
 
     Raises:
         InputError: there is no such criterion or figure.
     """
-    numbers = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
     return [
-        [str(numbers[id(grasp)]), f"{starts}x", *(criterion.cell(numbers_of(grasp)) for criterion in columns())]
-        for grasp, starts, _ in result.different(most, by)
+        [str(result.number_of(grasp)), f"{starts}x", *(criterion.cell(numbers_of(grasp)) for criterion in columns())]
+        for grasp, starts, _ in result.different(by=by)
     ]
 
 

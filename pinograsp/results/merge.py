@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import without_turns
 from .grasp import Grasp
 from .ranking import ordered
 
@@ -32,7 +32,7 @@ def merge(grasps: Sequence[Grasp]) -> tuple[Grasp, ...]:
     for i, grasp in enumerate(by_cost):
         if not remaining[i]:
             continue
-        turn = np.abs(np.remainder(joints - joints[i] + math.pi, 2 * math.pi) - math.pi).max(axis=1)
+        turn = np.abs(without_turns(joints - joints[i])).max(axis=1)
         slide = np.linalg.norm(points - points[i], axis=2).max(axis=1)
         near = remaining & (turn <= SAME_JOINTS) & (slide <= SAME_POINTS)
         remaining &= ~near

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from ..errors import InputError
 from ..frozen import Record
 from .different import Different, different
 from .grasp import Grasp
@@ -91,6 +93,18 @@ class Result(Record):
     def done(self) -> int:
         """Number of starts that were solved."""
         return sum(self.counts.values())
+
+    def number_of(self, grasp: Grasp) -> int:
+        """Return the number of one of the grasps, its place in `grasps`, from 1: tables and files name it by that.
+
+        Raises:
+            InputError: it is none of them.
+        """
+        for same in (operator.is_, operator.eq):  # the same object is found first, and fast
+            for number, own in enumerate(self.grasps, 1):
+                if same(own, grasp):
+                    return number
+        raise InputError("is no grasp of this result", key="grasp", remedy="Take one of `Result.grasps`")
 
     def ranked(self, by: str = SCORE) -> tuple[Grasp, ...]:
         """Return the grasps, the best first.

@@ -16,21 +16,20 @@ ANGLE = 5
 """Characters of an angle in whole degrees, with the space before it."""
 
 
-def grasp_table(result: Result, rows: int = 10, by: str = SCORE, width: int = 80) -> Table:
+def grasp_table(result: Result, by: str = SCORE, width: int = 80) -> Table:
     """Return a table of the best grasps that differ from each other.
 
     Grasps go by their numbers in the result, from 1; `found` counts the starts of all grasps that one stands for.
 
     Args:
         result: with a grasp or more.
-        rows: number of grasps at most.
         by: the order in which they are chosen, as for `Result.ranked`.
         width: of the terminal, in characters; angles for which a line has no room follow in the next one.
 
     Raises:
         InputError: there is no such criterion or figure.
     """
-    shown = [(grasp, starts) for grasp, starts, _ in result.different(rows, by)]
+    shown = [(grasp, starts) for grasp, starts, _ in result.different(by=by)]
     title = f"{result.task}: {len(shown)} different of {len(result.grasps)} distinct grasps"
     title += f", {result.robot} in {result.scene}" + ("" if by == SCORE else f", by {by}")
     return list_table(result, shown, title, [by], width)
@@ -51,7 +50,6 @@ def list_table(
     Raises:
         InputError: there is no such criterion or figure.
     """
-    number_of = {id(grasp): number for number, grasp in enumerate(result.grasps, 1)}
     columns = {criterion.name: criterion for criterion in CRITERIA if criterion.narrow}
     for name in criteria:
         if name != SCORE:
@@ -59,7 +57,7 @@ def list_table(
             columns.setdefault(criterion.name, criterion)
     headings = ["", "found", *(f"{criterion.heading}\n{criterion.shown_unit}" for criterion in columns.values())]
     rows = [
-        [str(number_of[id(grasp)]), f"{starts}x", *(c.cell(numbers_of(grasp)) for c in columns.values())]
+        [str(result.number_of(grasp)), f"{starts}x", *(c.cell(numbers_of(grasp)) for c in columns.values())]
         for grasp, starts in shown
     ]
     table = Table(title)

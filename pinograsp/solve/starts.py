@@ -22,7 +22,6 @@ Of starts that miss a narrow cone and two ranges by up to 0.3, 0.6, 1.0 rad, 93,
 LOCK_SLACKS = (0.15, 0.3, 0.6, 1.2, 2.4, math.inf)
 """How far starts may be from the values of locked joints before they are set to these, one after the other, in steps of
 1 rad or 0.1 m (`Robot.step_units`)."""
-WHOLE_TURN = 2.0 * math.pi
 
 
 def starts_near(database: Database, model: TaskModel, count: int, seed: int) -> Array:
@@ -75,7 +74,7 @@ def in_turn(model: TaskModel, q: Array) -> Array:
     """Return arm configurations, rad (m), shape (n, l), with joints moved by whole turns to the task's ranges."""
     q = q.copy()
     for i in turning(model).values():
-        q[:, i] -= WHOLE_TURN * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / WHOLE_TURN)
+        q[:, i] -= math.tau * np.round((q[:, i] - 0.5 * (model.lower[i] + model.upper[i])) / math.tau)
     return q
 
 
@@ -127,6 +126,6 @@ def _intervals(model: TaskModel, slack: float, lock_slack: float) -> dict[str, l
         if math.isinf(beyond):
             continue
         low, high = float(model.lower[i]) - beyond, float(model.upper[i]) + beyond
-        most = math.ceil((model.robot.upper[i] - model.robot.lower[i]) / WHOLE_TURN) if name in turned else 0
-        intervals[name] = [(low + WHOLE_TURN * k, high + WHOLE_TURN * k) for k in range(-most, most + 1)]
+        most = math.ceil((model.robot.upper[i] - model.robot.lower[i]) / math.tau) if name in turned else 0
+        intervals[name] = [(low + math.tau * k, high + math.tau * k) for k in range(-most, most + 1)]
     return intervals

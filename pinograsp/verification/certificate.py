@@ -11,6 +11,9 @@ from .. import notebook
 from ..frozen import Record, unknown
 from ..units import shown_in
 
+NAMED = 3
+"""Figures that a representation names."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Figure(Record):
@@ -124,7 +127,7 @@ class PairClearance(Record):
     """m, at most 0.05; negative if they overlap, -inf where they do and no exact depth is known."""
 
 
-def summary(figures: tuple[Figure, ...], most: int = 3) -> str:
-    """Return figures that are not kept in one line of plain text, at most so many of them by name."""
-    said = [f"{f.name} {f.shown_value} ({f.shown_limit})" for f in figures[:most]]
-    return ", ".join(said) + (f" and {len(figures) - most} more" if len(figures) > most else "")
+def summary(figures: tuple[Figure, ...]) -> str:
+    """Return figures that are not kept in one line of plain text, the first `NAMED` of them by name."""
+    said = [f"{f.name} {f.shown_value} ({f.shown_limit})" for f in figures[:NAMED]]
+    return ", ".join(said) + (f" and {len(figures) - NAMED} more" if len(figures) > NAMED else "")

@@ -20,9 +20,9 @@ def jacobian(twists: Sequence[Twist], point: Array) -> Array:
     """Return the geometric Jacobian of a world point, shape (6, joints): velocity, m, above angular velocity, rad."""
     axes = np.array([twist.axis for twist in twists]).reshape(-1, 3)
     places = np.array([twist.place for twist in twists]).reshape(-1, 3)
-    turns = np.array([twist.turns for twist in twists], dtype=bool)[:, None]
-    angular = np.where(turns, axes, 0.0)
-    return np.concatenate([np.where(turns, cross(axes, point - places), axes).T, angular.T])
+    revolute = np.array([twist.revolute for twist in twists], dtype=bool)[:, None]
+    angular = np.where(revolute, axes, 0.0)
+    return np.concatenate([np.where(revolute, cross(axes, point - places), axes).T, angular.T])
 
 
 def rate_of_twist(twists: Sequence[Twist], rates: Mapping[str, Array]) -> Array:

@@ -39,11 +39,11 @@ class Joint:
 
 @dataclass(frozen=True)
 class Twist:
-    """A movable joint as it turns or slides in the world."""
+    """A movable joint in the world."""
 
     joint: str
-    turns: bool
-    """Or it slides."""
+    revolute: bool
+    """Whether it turns; otherwise it slides."""
     axis: Array
     """Unit vector, shape (3,)."""
     place: Array
@@ -81,12 +81,12 @@ class Kinematics:
             -1, 4, 4
         )
         axes = np.array([_axis(joint) for joint in self._tree]).reshape(-1, 3)
-        turns = np.array([joint.type in ("revolute", "continuous") for joint in self._tree], dtype=bool)
+        revolute = np.array([joint.type in ("revolute", "continuous") for joint in self._tree], dtype=bool)
         self._axes = axes
         self._above = {joint.child: i for i, joint in enumerate(self._tree)}
-        self._slides = np.where(turns[:, None], 0.0, axes)
+        self._slides = np.where(revolute[:, None], 0.0, axes)
         self._skew = np.zeros((len(axes), 3, 3))
-        x, y, z = (axes * turns[:, None]).T
+        x, y, z = (axes * revolute[:, None]).T
         self._skew[:, 0, 1], self._skew[:, 0, 2], self._skew[:, 1, 2] = -z, y, -x
         self._skew -= self._skew.transpose(0, 2, 1)
         self._skew_squared = self._skew @ self._skew

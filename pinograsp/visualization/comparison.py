@@ -10,46 +10,42 @@ from ..results.grasp import Grasp
 from ..results.html import clearance_cells, columns, grasp_rows
 from ..results.ranking import SCORE
 from ..results.result import Result
+from .rows import row
+
+DISTANCES = 10
+"""Distances that a page lists."""
 
 
-def grasp_list(result: Result, by: str = SCORE, most: int = 10) -> str:
+def grasp_list(result: Result, by: str = SCORE) -> str:
     """Return the table of the best grasps that differ from each other, with their numbers in the result.
 
     Args:
         result: with a grasp or more.
         by: the order in which they are chosen, as for `Result.ranked`.
-        most: number of grasps at most.
 
     Raises:
         InputError: there is no such criterion or figure.
     """
     headings = "".join(f"<th>{escape(c.heading)}<small>{escape(c.shown_unit)}</small></th>" for c in columns())
-    shown = grasp_rows(result, by, most)
-    rows = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in shown]
+    shown = grasp_rows(result, by)
     order = "" if by == SCORE else f" by {by}"
     caption = f"{len(shown)} different of {len(result.grasps)} distinct grasps{order}; the first is drawn"
     return (
         f'<table class="list"><caption>{escape(caption)}</caption>'
-        f"<tr><th></th><th>found</th>{headings}</tr>{''.join(rows)}</table>"
+        f"<tr><th></th><th>found</th>{headings}</tr>{''.join(row(*cells) for cells in shown)}</table>"
     )
 
 
 def criteria_table(grasp: Grasp) -> str:
     """Return the table of what a grasp is compared by, besides U."""
     read = numbers_of(grasp)
-    rows = []
-    for criterion in CRITERIA:
-        if criterion.name != "U":
-            name = f"{escape(criterion.name)}<small>{escape(criterion.meaning)}</small>"
-            rows.append(f"<tr><td>{name}</td><td>{escape(criterion.shown(read))}</td></tr>")
+    rows = [row(c.name, c.shown(read), note=c.meaning) for c in CRITERIA if c.name != "U"]
     return f"<table><caption>Compared by</caption>{''.join(rows)}</table>"
 
 
-def clearance_table(check: ConfigurationCheck, most: int = 10) -> str:
-    """Return the table of the least distances of a checked configuration, at most so many of them."""
-    rows = []
-    for name, link, other, distance in map(clearance_cells, check.clearances[:most]):
-        pair = f"{escape(name)}<small>{escape(link)} - {escape(other)}</small>"
-        rows.append(f"<tr><td>{pair}</td><td>{escape(distance)}</td></tr>")
-    more = f", the least {most} of {len(check.clearances)}" if len(check.clearances) > most else ""
+def clearance_table(check: ConfigurationCheck) -> str:
+    """Return the table of the least distances of a checked configuration, at most `DISTANCES` of them."""
+    listed = map(clearance_cells, check.clearances[:DISTANCES])
+    rows = [row(name, distance, note=f"{link} - {other}") for name, link, other, distance in listed]
+    more = f", the least {DISTANCES} of {len(check.clearances)}" if len(check.clearances) > DISTANCES else ""
     return f"<table><caption>Distances below 50 mm{more}</caption>{''.join(rows)}</table>"

@@ -17,8 +17,10 @@ from ..arrays import Array, Integers
 from ..database.coverage import SECTORS, Coverage
 from ..descriptions.scene import Enclosure
 from ..disk import as_path, write_whole
+from ..errors import require_kind
 from . import camera, colors
-from .page import legend, page, row, view_button
+from .page import legend, page, view_button
+from .rows import row
 from .scene import draw_enclosure
 from .symbols import Look, arrow, draw
 from .viewer import LayeredMesh, Recorder, Visualizer, geometry
@@ -57,6 +59,7 @@ def coverage_png(coverage: Coverage, file: Path | str, title: str) -> None:
     from matplotlib.colors import ListedColormap, Normalize
     from matplotlib.figure import Figure
 
+    require_kind("coverage", coverage, Coverage, remedy="Make it with `Coverage.of`")
     low, high = extent(coverage)
     layers = slice_layers(coverage.directions.shape[2])
     scale = ScalarMappable(
@@ -106,6 +109,7 @@ def coverage_html(coverage: Coverage, file: Path | str, title: str) -> None:
     Raises:
         InputError: the file cannot be written.
     """
+    require_kind("coverage", coverage, Coverage, remedy="Make it with `Coverage.of`")
     recorder = Recorder()
     view = draw_coverage(Visualizer(window=recorder), coverage)
     write_whole(as_path("file", file), page(title, _panel(coverage, title), recorder.commands, view))

@@ -20,6 +20,7 @@ from ..verification.certificate import Certificate, Figure
 from . import colors
 from .camera import View, close_up, whole_box, y_up
 from .comparison import criteria_table
+from .rows import row
 from .viewer import viewer_javascript
 
 
@@ -77,11 +78,6 @@ def view_button(view: str, label: str) -> str:
     return f"<button onclick=\"look('{view}')\">{escape(label)}</button>"
 
 
-def row(*cells: str) -> str:
-    """Return a row of a table in the panel, from plain text."""
-    return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
-
-
 def legend(entries: dict[str, int]) -> str:
     """Return the legend of colours (0xrrggbb) by what they mean, plain text."""
     return "<ul>" + "".join(_legend_entry(text, color) for text, color in entries.items()) + "</ul>"
@@ -135,10 +131,8 @@ def _certificate(certificate: Certificate) -> str:
 
 
 def _figure(figure: Figure) -> str:
-    where = f"<small>{escape(figure.where)}</small>" if figure.where else ""
     state = "holds" if figure.holds else "fails"
-    cells = "".join(f"<td>{escape(cell)}</td>" for cell in (figure.shown_value, figure.shown_limit))
-    return f'<tr class="{state}"><td>{escape(figure.name)}{where}</td>{cells}</tr>'
+    return row(figure.name, figure.shown_value, figure.shown_limit, note=figure.where, style=state)
 
 
 def _legend_entry(text: str, color: int) -> str:

@@ -72,7 +72,7 @@ class Store:
         if result.interrupted:
             raise KeyboardInterrupt
         origin = {"key": key, "made": self._made}
-        result = dataclasses.replace(result, provenance=result.provenance | {"reproduction": origin})
+        result = dataclasses.replace(result, provenance={**result.provenance, "reproduction": origin})
         pinograsp.write_json(result, file)
         self.used[name] = self._made
         return result
