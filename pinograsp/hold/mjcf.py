@@ -99,7 +99,7 @@ class HandAndObject:
         self._friction = self._task.contact.friction if options.friction is None else options.friction
         one = len(self._robot.hand.synergies) == 1
         if options.control == "torque" and not one:
-            raise InputError("a hand of several synergies has no single driver", key="control")
+            raise InputError("a hand of several synergies has no single driver", key="options.control")
         self._servos = options.control == "position" or not one
 
     @cached_property
