@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
@@ -97,6 +97,11 @@ def write_whole(file: Path, content: str | bytes) -> None:
     data = content.encode("utf-8") if isinstance(content, str) else content
     with written_whole(file) as unfinished:
         unfinished.write_bytes(data)
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Return JSON data as the text that files and standard output have."""
+    return json.dumps(content, indent=1, allow_nan=False) + "\n"
 
 
 def digest(content: bytes) -> str:

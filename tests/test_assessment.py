@@ -538,7 +538,7 @@ def test_defaults_in_the_help_are_those_of_errors(run: Any) -> None:
 def test_bad_size_on_the_command_line(run: Any) -> None:
     code, _, errors = run("--position", -1)
     assert code == 2
-    assert "position" in errors
+    assert errors == "error: --position -1.0 mm: must be at least 0 m, not -0.001\n"
 
 
 def test_ctrl_c_gives_what_is_done(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -92,9 +92,9 @@ def test_another_backend_is_one_line(toy_task: TaskModel, monkeypatch: pytest.Mo
     np.testing.assert_array_equal(solution.state.x, solution.x)
 
 
-def test_unknown_solver_is_refused(toy_task: TaskModel) -> None:
+def test_unknown_solver_is_refused() -> None:
     with pytest.raises(InputError, match=r"algorithm: no solver 'LD_SLQP'\. Did you mean LD_SLSQP"):
-        LocalSolver(toy_task, SolverOptions(algorithm="LD_SLQP"))
+        SolverOptions(algorithm="LD_SLQP")
 
 
 def test_recorder_keeps_the_best_and_counts_points_once(toy_task: TaskModel) -> None:

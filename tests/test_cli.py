@@ -18,6 +18,7 @@ import pytest
 import pinograsp
 from pinograsp import cli
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
+from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
 
 ROBOT = shipped_robots()["gen3_2f85"].read_text()
@@ -164,8 +165,12 @@ def test_wrong_use_is_one_line(run: Run, arguments: list[str], words: str) -> No
 @pytest.mark.parametrize(
     ("option", "name", "words"),
     [
-        ("--algorithm", "LN_COBYLLA", "algorithm: no solver 'LN_COBYLLA'. Did you mean LN_COBYLA?"),
-        ("--rank-by", "clearence", "--rank-by: no order is called 'clearence'. Did you mean clearance?"),
+        ("--algorithm", "LN_COBYLLA", "--algorithm: no solver 'LN_COBYLLA'. Did you mean LN_COBYLA?"),
+        (
+            "--rank-by",
+            "clearence",
+            "--rank-by: no criterion and no figure is called 'clearence'. Did you mean clear",
+        ),
     ],
 )
 def test_names_that_there_are_not(run: Run, option: str, name: str, words: str) -> None:
@@ -267,6 +272,33 @@ def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:
     assert errors == ""
     assert "No verified grasp was found." in output
     assert "6 of 6 starts not tried: no more collision-free starts near the object were found" in output
+
+
+def test_a_pose_that_cannot_be_is_found_before_robot_and_pieces_are_made(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def made(*_: object) -> None:
+        pytest.fail("pieces are made")
+
+    monkeypatch.setattr(session, "link_bodies", made)
+    options = ("--object-pose", "sphere", 0.8, 0.02, -0.5, 0, 0, 0)
+    message = refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, *options))
+    assert "objects.sphere.pose: the object 'sphere' is outside the enclosure: 300.3 mm beyond wall z=-0.237" in message
+
+
+def test_a_fault_of_the_program_has_an_exit_code_of_its_own(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not that of a plan without grasps."""
+
+    def broken(name: str) -> Scene:
+        raise ZeroDivisionError(name)
+
+    monkeypatch.setattr(pinograsp, "load_scene", broken)
+    code, output, errors = run("plan", "glovebox", "--task", "sphere")
+    assert (code, output) == (70, "")
+    first, *lines = errors.splitlines()
+    assert first == "error: a fault of pinograsp itself; please report it with these lines:"
+    assert (lines[0], lines[-1]) == ("Traceback (most recent call last):", "ZeroDivisionError: glovebox")
+    assert "; 70 a fault of pinograsp itself;" in " ".join(run("--help")[1].split())
 
 
 def test_list_and_schema(run: Run) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import inspect
 import json
 import math
 import os
@@ -22,6 +23,7 @@ import pinograsp
 from pinograsp import Certificate, Contact, Figure, PairClearance, Progress, Result, cli
 from pinograsp.cli import completion, reporters
 from pinograsp.cli.folders import file_name, save
+from pinograsp.cli.orders import ORDERS
 from pinograsp.cli.spelling import spelled
 from pinograsp.onboarding.check import RobotReport
 from pinograsp.onboarding.findings import Finding, LinkFigures
@@ -175,6 +177,37 @@ def test_orders_in_the_help_are_all_that_there_are(run: Run, monkeypatch: pytest
         text = help_of(run, monkeypatch, 200, command)
         for criterion in pinograsp.CRITERIA:
             assert criterion.name in text
+    assert ", ".join(["score", *(criterion.name for criterion in pinograsp.CRITERIA)]) == ORDERS
+
+
+def help_defaults(*words: str) -> dict[str, str]:
+    """Return the defaults that the help of a command shows, by the names of its parameters."""
+    command = typer.main.get_command(cli.app)
+    for word in words:
+        command = command.commands[word]  # type: ignore[attr-defined]
+    shown = {p.name: getattr(p, "show_default", True) for p in command.params}
+    return {p.name: str(p.default if shown[p.name] is True else shown[p.name]) for p in command.params}
+
+
+def test_defaults_in_the_help_are_those_of_the_library() -> None:
+    """Those of `assess` have a test beside the assessment's."""
+
+    def default(function: Callable[..., object], name: str) -> str:
+        return str(inspect.signature(function).parameters[name].default)
+
+    plan, hold = help_defaults("plan"), help_defaults("hold")
+    assert (plan["starts"], plan["seed"]) == (default(pinograsp.plan, "starts"), default(pinograsp.plan, "seed"))
+    options = pinograsp.SolverOptions()
+    assert (plan["algorithm"], plan["rank_by"]) == (options.algorithm, default(Result.ranked, "by"))
+    assert hold["best"] == default(pinograsp.hold_test, "best")
+    held = pinograsp.HoldOptions()
+    assert (hold["acceleration"], hold["spin"]) == (str(held.acceleration), str(held.spin))
+    build, margins = help_defaults("database", "build"), pinograsp.Margins()
+    assert (float(build["margin"]), margins.robot) == (margins.enclosure, margins.enclosure)
+    assert (build["seed"], build["spread"]) == tuple(default(pinograsp.build_database, n) for n in ("seed", "spread"))
+    assert help_defaults("database", "coverage")["voxel"] == default(pinograsp.Coverage.of, "voxel")
+    rank = help_defaults("rank")
+    assert (rank["by"], rank["different"]) == tuple(default(Result.different, n) for n in ("by", "most"))
 
 
 def test_without_a_command_the_help_is_an_error(run: Run) -> None:
@@ -291,13 +324,15 @@ def test_no_thread_shows_progress() -> None:
         assert threading.active_count() == before
 
 
-def test_garbage_is_collected_while_there_is_work(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not while modules are loaded and files are read, where there is none."""
-    seen: list[bool] = []
-    monkeypatch.setattr(pinograsp, "verify", lambda *_: seen.append(gc.isenabled()) or ())
-    monkeypatch.setattr(pinograsp, "read_json", lambda _: seen.append(gc.isenabled()) or result)
-    run("verify", "result.json")
-    assert (seen, gc.isenabled()) == ([False, True], True)
+def test_garbage_is_looked_for_seldom_but_it_is(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The process that calls the command line goes on as before."""
+    seen: list[tuple[bool, int]] = []
+    before = gc.get_threshold()
+    monkeypatch.setattr(
+        pinograsp, "read_json", lambda _: seen.append((gc.isenabled(), gc.get_threshold()[0])) or result
+    )
+    assert run("rank", "result.json")[0] == 0
+    assert (seen, gc.get_threshold()) == ([(True, 100_000)], before)
 
 
 # ---- tables

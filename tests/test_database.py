@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ from pinograsp.database.coverage import Coverage
 from pinograsp.database.lock import building
 from pinograsp.database.query import Configurations, configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
-from pinograsp.database.store import Database
+from pinograsp.database.store import Database, interruptible
 from pinograsp.descriptions.scene import Enclosure, Margins
 from pinograsp.errors import InputError
 from pinograsp.geometry.cone import Cone
@@ -397,3 +398,12 @@ def test_table_of_configurations_fits(width: int) -> None:
     assert max(map(len, lines)) <= width
     text = "\n".join(lines)
     assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)
+
+
+def test_ctrl_c_in_a_query() -> None:
+    query = "SELECT sum(sqrt(a.range * b.range)) FROM range(1_000_000) AS a, range(1_000_000) AS b"
+    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt), interruptible(), duckdb.connect() as connection:
+        connection.execute(query)
+    with pytest.raises(RuntimeError, match="another"), interruptible():
+        raise RuntimeError("another")

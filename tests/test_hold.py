@@ -313,12 +313,13 @@ def test_the_model_opens_and_holds(grasp: Grasp, tmp_path: Path) -> None:
 
 
 def test_a_film(grasp: Grasp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = tmp_path / "hold.gif"
+    file, seen = tmp_path / "hold.gif", list[Progress]()
     monkeypatch.setattr(film, "_RATE", 4.0)
     try:
-        write_film(grasp, file, HoldOptions(acceleration=2.0))
+        write_film(grasp, file, HoldOptions(acceleration=2.0), progress=seen.append)
     except InputError as error:
         pytest.skip(str(error))
+    assert seen == [Progress("film", done, 14) for done in range(15)]  # settle, gravity, 6 shakes, 6 spins
     with Image.open(file) as image:
         assert image.n_frames > 5
         colours = [image.convert("RGB").getpixel((k, 240)) for k in range(0, 640, 8)]
@@ -376,7 +377,7 @@ def test_command_line(
     assert "grasps hold" not in output  # nothing was simulated for it
     code, output = run("--spin", "inf")
     assert code == 2
-    assert "spin: must be a finite number, not inf" in output
+    assert "--spin: must be a finite number, not inf" in output
 
 
 def _plain(data: Any) -> Any:

@@ -10,7 +10,7 @@ from pinograsp.descriptions import Scene
 from pinograsp.errors import InputError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
 from pinograsp.kinematics.robot import Robot
-from pinograsp.problem import GraspProblem, TaskModel, Violation, check_task
+from pinograsp.problem import GraspProblem, TaskModel, Violation, check_placement, check_task
 from pinograsp.problem.problem import COST_SCALE
 from pinograsp.solve.projection import _damped_step, nearest_assignment
 
@@ -62,6 +62,7 @@ def test_violations_are_in_millimetres(grasp: Place) -> None:
 
 def refused(robot: Robot, scene: Scene, key: str) -> InputError:
     with pytest.raises(InputError) as caught:
+        check_placement(scene, "sphere")
         check_task(TaskModel(robot, scene, "sphere"))
     assert caught.value.file == scene.source
     assert caught.value.key == key
@@ -71,6 +72,7 @@ def refused(robot: Robot, scene: Scene, key: str) -> InputError:
 
 
 def test_the_shipped_task_is_accepted(sphere_task: TaskModel) -> None:
+    check_placement(sphere_task.scene, "sphere")
     check_task(sphere_task)
 
 

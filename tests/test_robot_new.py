@@ -18,10 +18,11 @@ import pinograsp
 from pinograsp import InputError, cli
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import load_robot_description, urdf
+from pinograsp.disk import write_whole
 from pinograsp.kinematics.collision_elements import link_elements
 from pinograsp.onboarding.facets import facets_of
 from pinograsp.onboarding.link_meshes import link_meshes
-from pinograsp.onboarding.new import HandMount, new_robot_file, write_new
+from pinograsp.onboarding.new import HandMount, new_robot_file
 from pinograsp.onboarding.rectangles import largest_rectangle
 
 DATA = "package://example-robot-data/robots"
@@ -97,7 +98,7 @@ def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path, small_batc
 def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.Robot, small_batches: None) -> None:
     file = tmp_path / "my_gen3" / "robot.yaml"
     text, _ = new_robot_file(GEN3, file)
-    write_new(text, file)
+    write_whole(file, text)
     found, shipped = load_robot_description(file), gen3.description
     assert found.urdf_file == shipped.urdf_file
     assert found.arm == shipped.arm
@@ -120,7 +121,7 @@ def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.Robot, s
 @pytest.mark.parametrize(("urdf", "name"), [(PANDA, "my_panda"), (GEN3, "my_gen3")])
 def test_the_file_as_it_is_plans_most_starts(urdf: str, name: str, tmp_path: Path) -> None:
     file = tmp_path / name / "robot.yaml"
-    write_new(new_robot_file(urdf, file)[0], file)
+    write_whole(file, new_robot_file(urdf, file)[0])
     robot, scene = pinograsp.load_robot(file), pinograsp.load_scene("glovebox")
     result = pinograsp.plan(robot, scene, "sphere", starts=60, workers=2)
     assert result.verified >= 36
@@ -181,7 +182,7 @@ def written(file: Path, text: str = TOY_URDF) -> Path:
 def loaded(urdf: Path, output: Path, **options: object) -> tuple[pinograsp.Robot, str]:
     """Return the robot of a new robot file, and its text."""
     text, _ = new_robot_file(str(urdf), output, **options)  # type: ignore[arg-type]
-    write_new(text, output)
+    write_whole(output, text)
     return pinograsp.load_robot(output), text
 
 
@@ -236,7 +237,7 @@ def test_a_workspace_with_packages(tmp_path: Path) -> None:
 
 def test_packages_that_are_given(tmp_path: Path) -> None:
     written(tmp_path / "elsewhere" / "my_arm" / "arm.urdf")
-    with pytest.raises(InputError, match=r"URDF: package://my_arm/arm\.urdf was not found\. Looked in "):
+    with pytest.raises(InputError, match=r"^urdf: package://my_arm/arm\.urdf was not found\. Looked in "):
         new_robot_file("package://my_arm/arm.urdf", tmp_path / "robot.yaml")
     text, _ = new_robot_file(
         "package://my_arm/arm.urdf", tmp_path / "r" / "robot.yaml", packages=[tmp_path / "elsewhere"]
@@ -297,8 +298,8 @@ def test_two_tips(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         new_robot_file(str(urdf), tmp_path / "robot.yaml")
     message = str(error.value)
-    assert "--tip: 2 tips, each after 1 joint: west_arm, east_arm. Name the one that is to hold" in message
-    with pytest.raises(InputError, match=r"--tip: there is no link 'est_arm'\. Did you mean .*east_arm"):
+    assert "two.urdf: tip: 2 tips, each after 1 joint: west_arm, east_arm. Name the one that is to hold" in message
+    with pytest.raises(InputError, match=r"^tip: there is no link 'est_arm'\. Did you mean .*east_arm"):
         new_robot_file(str(urdf), tmp_path / "robot.yaml", tip="est_arm")
     robot, text = loaded(urdf, tmp_path / "robot.yaml", tip="east_arm")
     assert robot.description.arm.joints == ("east_shoulder",)
@@ -308,10 +309,11 @@ def test_two_tips(tmp_path: Path) -> None:
 
 def test_an_arm_alone(tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"no fingers were found: none branch off wrist_3_link, .*--hand, and with --to"
+        InputError,
+        match=r"hand: no fingers were found: none branch off wrist_3_link, .*Give the URDF of a gripper, and the link",
     ):
         new_robot_file(UR5, tmp_path / "robot.yaml")
-    with pytest.raises(InputError, match=r"--to: the arm ends in ee_link, tool0\. Name one of them"):
+    with pytest.raises(InputError, match=r"hand\.to: the arm ends in ee_link, tool0\. Name one of them"):
         new_robot_file(UR5, tmp_path / "robot.yaml", hand=HandMount(GEN3))
 
 
@@ -327,14 +329,18 @@ def test_a_torso_with_arms_is_no_hand(tmp_path: Path) -> None:
         (["nowhere.urdf"], "nowhere.urdf: URDF: no such file"),
         (["toy.urdf", "--hand", "nowhere.urdf"], "nowhere.urdf: --hand: no such file"),
         (["toy.urdf", "--to", "arm"], "--to: is for a hand with a URDF of its own. Give that with --hand"),
-        ([UR5, "--hand", GEN3, "--to", "tool9"], "--to: there is no link 'tool9'. Did you mean tool0"),
+        ([UR5, "--hand", GEN3, "--to", "tool9"], "--to: link 'tool9' is not in ur5_robot.urdf. Did you mean tool0"),
         ([UR5, "--hand", GEN3, "--to", "tool0"], "--prefix: 4 link names are in the robot already"),
         (
             [UR5, "--hand", GEN3, "--to", "tool0", "--hand-root", "palm"],
             "--hand-root: link 'palm' is not in kinova_rob",
         ),
-        (["toy.urdf", "--out", "taken"], "taken/robot.yaml: --out: cannot be written: "),
+        (["toy.urdf", "--out", "taken"], "taken/robot.yaml: cannot be written: file exists. Check the folder"),
         (["broken.urdf"], "broken.urdf: is not valid XML"),
+        ([UR5], "ur5_robot.urdf: --hand: no fingers were found: "),
+        ([UR5, "--hand", GEN3], "--to: the arm ends in ee_link, tool0. Name one of them"),
+        (["toy.urdf", "--tip", "palm"], "error: --tip: there is no link 'palm'"),
+        (["package://nowhere/arm.urdf"], "error: URDF: package://nowhere/arm.urdf was not found. Looked in "),
     ],
     ids=lambda value: " ".join(value[1:]) if isinstance(value, list) else "",
 )
@@ -360,6 +366,29 @@ def test_a_robot_file_is_not_replaced(run: Run, toy_urdf: Path, tmp_path: Path) 
     assert file.read_text() == "mine"
     assert run("toy.urdf", "--force")[0] == 0
     assert yaml.safe_load(file.read_text())["name"] == "toy"
+
+
+@pytest.mark.parametrize(
+    ("hand", "key"),
+    [
+        (HandMount(GEN3, to="tool9"), "hand.to"),
+        (HandMount(GEN3, to="tool0"), "hand.prefix"),
+        (HandMount(GEN3, to="tool0", root="palm"), "hand.root"),
+        (HandMount("nowhere.urdf"), "hand.urdf"),
+    ],
+)
+def test_errors_in_python_name_arguments(hand: HandMount, key: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        new_robot_file(UR5, tmp_path / "robot.yaml", hand=hand)
+    assert caught.value.key == key
+    assert "--" not in str(caught.value)
+
+
+def test_progress(toy_urdf: Path, tmp_path: Path) -> None:
+    """Of the links that close on each other: two fingers."""
+    seen: list[pinograsp.Progress] = []
+    new_robot_file(toy_urdf, tmp_path / "robot.yaml", progress=seen.append)
+    assert seen == [pinograsp.Progress("flat faces of links", done, 2) for done in range(2)]
 
 
 # ---- rectangles

@@ -52,7 +52,7 @@ from pinograsp import (
 from pinograsp.database.identity import Identity
 from pinograsp.errors import TaskError, UnknownNameError
 from pinograsp.problem import TaskModel
-from pinograsp.problem.checks import check_task
+from pinograsp.problem.checks import check_placement
 
 BALL = Object(shape=Sphere(radius=0.0373), pose=Pose(position=(0.801, 0.0, -0.08)))
 HOLD = Task(
@@ -416,9 +416,9 @@ def test_unknown_name(make: Callable[[], object], key: str | None, words: str) -
     assert words in str(error)
 
 
-def test_what_only_the_robot_shows_names_no_file_either(gen3: Robot) -> None:
+def test_what_only_the_plan_shows_names_no_file_either(gen3: Robot) -> None:
     outside = ROOM.with_object_pose("ball", Pose(position=(2.0, 0.0, 0.0)))
-    error = refused(lambda: check_task(TaskModel(gen3, outside, "hold")))
+    error = refused(lambda: check_placement(outside, "hold"))
     assert (type(error), error.key) == (TaskError, "objects.ball.pose")
     error = refused(lambda: TaskModel(gen3, ROOM.with_task("hold", pads=("left", "rihgt")), "hold"))
     assert (type(error), error.key) == (UnknownNameError, "tasks.hold.pads[1]")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -14,7 +15,7 @@ from ..errors import InputError
 from . import completion
 from .terminal import fail
 
-WRONG_USE, INTERRUPTED = 2, 130
+WRONG_USE, FAULT, INTERRUPTED = 2, 70, 130
 DEFAULT_ROBOT = "gen3_2f85"
 
 Scene = Annotated[
@@ -121,6 +122,22 @@ def named_values(texts: Sequence[str], option: str) -> dict[str, float]:
     return found
 
 
-def names_of(texts: Sequence[str]) -> list[str]:
-    """Return names that are given one after the other or with commas between them."""
-    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
+def given(**options: Any) -> dict[str, Any]:
+    """Return the options that were given; what the others are is for the library to say."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+@contextmanager
+def as_options(options: Mapping[str, str]) -> Iterator[None]:
+    """Give errors about arguments of the library the names that these have on the command line.
+
+    Args:
+        options: what is named in place of an argument: the option; where it has a unit of its own, as it was given.
+    """
+    try:
+        yield
+    except InputError as error:
+        if error.key is None or error.key not in options:
+            raise
+        key = options[error.key]
+        raise type(error)(error.problem, file=error.file, line=error.line, key=key, remedy=error.remedy) from None

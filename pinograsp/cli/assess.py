@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,9 +11,10 @@ import typer
 import pinograsp
 
 from ..tables import Table
+from ..units import shown_in
 from . import arguments
-from .arguments import INTERRUPTED, command
-from .folders import file_name, make_folder, save
+from .arguments import INTERRUPTED, as_options, command, given
+from .folders import file_name, make_folder, save_json
 from .inputs import grasp_of
 from .terminal import Terminal
 
@@ -76,22 +76,31 @@ def assess(
     Exit codes: 0 whatever is found, 130 interrupted.
     """
     terminal = Terminal(as_json, quiet)
-    sizes = {
-        "position": _scaled(1e-3, position),
-        "orientation": _scaled(math.radians(1.0), orientation),
-        "friction": friction,
-        "weight": weight,
-        "center_of_mass": _scaled(1e-3, center_of_mass),
-        "joint": _scaled(1e-3, joint),
+    sizes = given(
+        position=_scaled(1e-3, position),
+        orientation=_scaled(math.radians(1.0), orientation),
+        friction=friction,
+        weight=weight,
+        center_of_mass=_scaled(1e-3, center_of_mass),
+        joint=_scaled(1e-3, joint),
+    )
+    as_given = {
+        "position": f"--position {position} mm",
+        "orientation": f"--orientation {orientation}°",
+        "friction": "--friction",
+        "weight": "--weight",
+        "center_of_mass": f"--center-of-mass {center_of_mass} mm",
+        "joint": f"--joint {joint} mrad",
     }
-    errors = pinograsp.Errors(**_given(sizes))
+    with as_options(as_given):
+        errors = pinograsp.Errors(**sizes)
     result = pinograsp.read_json(file)
     chosen = grasp_of(result, grasp, file)
     if out is not None:
         make_folder(out)
-    with terminal.progress() as progress:
+    with as_options({"samples": "--samples"}), terminal.progress() as progress:
         found = pinograsp.assess(
-            chosen, errors, seed=seed, workers=workers, progress=progress, **_given({"samples": samples})
+            chosen, errors, seed=seed, workers=workers, progress=progress, **given(samples=samples)
         )
     content = {"robot": result.robot, "scene": result.scene, "task": result.task, "number": grasp, **found.to_json()}
     saved = [] if out is None else [_saved(content, out)]
@@ -106,17 +115,9 @@ def _scaled(unit: float, number: float | None) -> float | None:
     return None if number is None else unit * number
 
 
-def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that were given; what the others are is for the library to say."""
-    return {name: value for name, value in options.items() if value is not None}
-
-
 def _saved(content: dict[str, Any], folder: Path) -> str:
-    from ..disk import write_whole
-
     names = (content["scene"], content["task"], content["robot"], f"grasp{content['number']}")
-    file = folder / file_name(*names, "assessment", suffix="json")
-    return save(file, lambda: write_whole(file, json.dumps(content, indent=1, allow_nan=False) + "\n"))
+    return save_json(folder / file_name(*names, "assessment", suffix="json"), content)
 
 
 def _report(found: pinograsp.Assessment, number: int, result: pinograsp.Result, terminal: Terminal) -> None:
@@ -153,7 +154,6 @@ def _causes(found: pinograsp.Assessment) -> Table:
 
 
 def _margins(found: pinograsp.Assessment) -> Table:
-
     table = Table("how large each error may be, alone")
     table.words("error")
     table.numbers("holds")
@@ -165,8 +165,6 @@ def _margins(found: pinograsp.Assessment) -> Table:
 
 def _size(margin: pinograsp.Margin) -> str:
     """Return what a margin says, in the units of tables."""
-    from ..units import shown_in
-
     factor, unit = shown_in(margin.unit)
     size = f"{factor * margin.size:.3g} {unit}".rstrip()
     match margin.kind, margin.capped:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 import pinograsp
 
-from ..disk import json_of, write_whole
+from ..disk import is_file, json_of
 from ..errors import InputError
 from . import arguments
-from .arguments import command, named_values, names_of
-from .folders import file_name, make_folder, save
+from .arguments import as_options, command, named_values
+from .folders import file_name, make_folder, save, save_json
 from .inputs import read_robot, read_scene
 from .terminal import Terminal
 
@@ -66,23 +66,16 @@ def check(
     with terminal.progress() as progress:
         model = read_robot(robot)
         name = model.description.name
-        with pinograsp.Planner(model, described, workers=1, progress=progress) as planner:
-            found = _checked(planner, values, task)
-    saved = [] if out is None else list(_saved(found, out, (described.name, task, name)))
-    terminal.find(found.to_json, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
+        planner = pinograsp.Planner(model, described, workers=1, progress=progress)
+        with planner, as_options({"q": "--joints"}):
+            found = planner.check(task, values)
+    content = {"robot": name, "scene": described.name, "task": task, **found.to_json()}
+    saved = [] if out is None else list(_saved(found, content, out))
+    terminal.find(lambda: content, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
     for line in saved:
         terminal.say(line)
     if not found.verified:
         raise typer.Exit(NOT_VERIFIED)
-
-
-def _checked(planner: pinograsp.Planner, values: dict[str, float], task: str) -> pinograsp.ConfigurationCheck:
-    try:
-        return planner.check(task, values)
-    except InputError as error:
-        if error.key != "q":
-            raise
-        raise InputError(error.problem, key="--joints", remedy=error.remedy) from None
 
 
 def read_joints(texts: Sequence[str]) -> dict[str, float]:
@@ -92,9 +85,14 @@ def read_joints(texts: Sequence[str]) -> dict[str, float]:
         InputError: a file cannot be read or does not hold numbers by name, or a text cannot be understood.
     """
     found: dict[str, float] = {}
-    for text in names_of(texts):
-        found |= named_values([text], "--joints") if "=" in text else _of_file(Path(text))
+    for text in texts:
+        found |= named_values([text], "--joints") if _is_value(text) else _of_file(Path(text))
     return found
+
+
+def _is_value(text: str) -> bool:
+    """Return whether a text is JOINT=VALUE: files and their folders may have equals signs in their names."""
+    return "=" in text and Path(text).name == text and not is_file(Path(text))
 
 
 def _of_file(file: Path) -> dict[str, float]:
@@ -110,10 +108,9 @@ def _of_file(file: Path) -> dict[str, float]:
     return {name: float(value) for name, value in content.items()}
 
 
-def _saved(found: pinograsp.ConfigurationCheck, folder: Path, names: tuple[str, str, str]) -> Iterator[str]:
-
-    file = folder / file_name(*names, "check", suffix="json")
-    yield save(file, lambda: write_whole(file, json.dumps(found.to_json(), indent=1, allow_nan=False) + "\n"))
+def _saved(found: pinograsp.ConfigurationCheck, content: dict[str, Any], folder: Path) -> Iterator[str]:
+    file = folder / file_name(content["scene"], content["task"], content["robot"], "check", suffix="json")
+    yield save_json(file, content)
     page = file.with_suffix(".html")
     yield save(page, lambda: pinograsp.visualization.write_html(found, page))
 

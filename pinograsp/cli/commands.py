@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import traceback
 from typing import Annotated
 
 import typer
@@ -11,8 +12,12 @@ import pinograsp
 
 from ..errors import PinograspError
 from . import assess, check, database, hold, listing, plan, rank, robot, show, verify
-from .arguments import INTERRUPTED, WRONG_USE, group, help_alone
+from .arguments import FAULT, INTERRUPTED, WRONG_USE, group, help_alone
 from .terminal import fail, spelled_streams
+
+SELDOM = 100_000
+"""New objects after which garbage is looked for: what is loaded and read stays, and looking would take an eighth of the
+time of commands that read."""
 
 app = group()
 
@@ -25,7 +30,7 @@ def pinograsp_command(
     """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
 
     Exit codes: 0 grasps were found, everything stands or holds; 1 none was found, something differs or does not
-    hold; 2 the input cannot be used; 130 interrupted with Ctrl-C.
+    hold; 2 the input cannot be used; 70 a fault of pinograsp itself; 130 interrupted with Ctrl-C.
     """
     if version:
         typer.echo(f"pinograsp {pinograsp.__version__}")
@@ -39,12 +44,13 @@ for module in (plan, check, rank, show, verify, assess, hold, robot, database, l
 
 def main() -> None:
     """Run the command line and end the process; errors that the user can mend are one line, without a traceback."""
-    gc.disable()  # what is loaded and read stays: looking for garbage would take an eighth of the time and find none
+    thresholds = gc.get_threshold()
+    gc.set_threshold(SELDOM, *thresholds[1:])
     try:
         with spelled_streams():
             code = _run()
     finally:
-        gc.enable()
+        gc.set_threshold(*thresholds)
     raise SystemExit(code)
 
 
@@ -58,6 +64,9 @@ def _run() -> int:
     except KeyboardInterrupt:
         fail("interrupted")
         return INTERRUPTED
+    except Exception:  # with the traceback for who mends it
+        fail(f"a fault of pinograsp itself; please report it with these lines:\n{traceback.format_exc().rstrip()}")
+        return FAULT
     return WRONG_USE
 
 

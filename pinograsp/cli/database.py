@@ -10,9 +10,10 @@ import typer
 
 import pinograsp
 
+from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
-from .arguments import INTERRUPTED, command, group, help_alone
+from .arguments import INTERRUPTED, as_options, command, given, group, help_alone
 from .folders import file_name, make_folder, save
 from .inputs import read_robot
 from .terminal import Terminal, fail
@@ -61,7 +62,9 @@ def build(
     spread: Annotated[
         Literal["joints", "wrist"], typer.Option(help="Uniform joint angles, or even wrist positions.")
     ] = "joints",
-    margin: Annotated[float, typer.Option(min=0.0, help="Least distance to enclosure and itself, m.")] = 0.005,
+    margin: Annotated[
+        float | None, typer.Option(min=0.0, help="Least distance to enclosure and itself, m.", show_default="0.005")
+    ] = None,
     workers: arguments.Workers = None,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -76,7 +79,7 @@ def build(
     if not 1 <= size <= 1e10:
         raise pinograsp.InputError("must be between 1 and 1e10", key="--size")
     described = pinograsp.load_scene(scene)
-    margins = pinograsp.Margins(enclosure=margin, robot=margin)
+    margins = None if margin is None else pinograsp.Margins(enclosure=margin, robot=margin)
     try:
         with terminal.progress() as progress:
             model = read_robot(robot)
@@ -134,7 +137,10 @@ def query(
     import numpy as np
 
     terminal = Terminal(as_json, quiet)
-    directions = None if cone is None else pinograsp.Cone(np.array(cone), math.radians(angle))
+    directions = None
+    if cone is not None:
+        with as_options({"axis": "--cone", "half_angle": f"--angle {angle:g}°"}):
+            directions = pinograsp.Cone(np.array(cone), math.radians(angle))
     with pinograsp.Database.open(file) as opened:
         if spread:
             found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)
@@ -150,7 +156,7 @@ def query(
 
 def coverage(
     file: File,
-    voxel: Annotated[float, typer.Option(min=0.005, help="Edge of a voxel, m.")] = 0.05,
+    voxel: Annotated[float | None, typer.Option(min=0.005, help="Edge of a voxel, m.", show_default="0.05")] = None,
     png: Annotated[bool, typer.Option("--png", help="Write a picture of slices.")] = False,
     html: Annotated[bool, typer.Option("--html", help="Write a page with the voxels.")] = False,
     out: arguments.Out = Path("out"),
@@ -161,14 +167,12 @@ def coverage(
 
     It also says from how many directions. Picture and page are <database>_coverage.png and .html.
     """
-    from ..progress import Progress
-
     terminal = Terminal(as_json, quiet)
     if png or html:
         make_folder(out)
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         progress(Progress("counting voxels", 0))
-        found = pinograsp.Coverage.of(opened, voxel)
+        found = pinograsp.Coverage.of(opened, **given(voxel=voxel))
         rows = opened.rows()
     title = f"{rows:,} configurations in {file.name}"
     often = found.directions[found.counts > 0]
@@ -183,7 +187,7 @@ def coverage(
     }
     line = (
         f"{title}: the wrist reaches {100 * found.reached:.0f} % of the {found.counts.size} voxels of "
-        f"{1e3 * voxel:.0f} mm, a reached one from {mean:.1f} of 24 directions on average "
+        f"{1e3 * found.voxel:.0f} mm, a reached one from {mean:.1f} of 24 directions on average "
         "(a larger database may find more)"
     )
     terminal.find(lambda: document, lambda: terminal.say(line))
@@ -206,8 +210,6 @@ def export(
 
     Angles are in rad (m), under the names of their joints.
     """
-    from ..progress import Progress
-
     terminal = Terminal(as_json, quiet)
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         rows = opened.rows()

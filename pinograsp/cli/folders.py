@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
-from ..disk import reason_of
+from ..disk import json_text, reason_of, write_whole
 from ..errors import FileError
 
 
@@ -31,3 +32,8 @@ def save(file: Path, write: Callable[[], object]) -> str:
     done = "replaced" if file.exists() else "written"
     write()
     return f"{done}: {file}"
+
+
+def save_json(file: Path, content: Mapping[str, Any]) -> str:
+    """Write JSON data, and return what to say of the file."""
+    return save(file, lambda: write_whole(file, json_text(content)))

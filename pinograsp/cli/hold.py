@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 import pinograsp
 
+from ..hold.options import HoldOptions
 from ..tables import Table
 from . import arguments
-from .arguments import INTERRUPTED, command
-from .folders import file_name, make_folder, save
+from .arguments import INTERRUPTED, as_options, command
+from .folders import file_name, make_folder, save, save_json
 from .inputs import grasp_of
 from .terminal import Terminal
 
@@ -41,8 +41,8 @@ def hold(
     ] = None,
     first_slip: Annotated[bool, typer.Option("--first-slip", help="Find the acceleration of first slip.")] = False,
     controls: Annotated[bool, typer.Option("--controls", help="Run the negative controls: both must drop it.")] = False,
-    acceleration: Annotated[float, typer.Option(help="Of the shakes, m/s^2.")] = 5.0,
-    spin: Annotated[float, typer.Option(help="Angular acceleration of the spins, rad/s^2.")] = 10.0,
+    acceleration: Annotated[float, typer.Option(help="Of the shakes, m/s^2.")] = HoldOptions.acceleration,
+    spin: Annotated[float, typer.Option(help="Angular acceleration of the spins, rad/s^2.")] = HoldOptions.spin,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="Write the model of the first one for MuJoCo's viewer.")] = False,
     film: Annotated[bool, typer.Option("--film", help="Write a film of the first one.")] = False,
     workers: arguments.Workers = None,
@@ -59,7 +59,8 @@ def hold(
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """
     terminal = Terminal(as_json, quiet)
-    options = pinograsp.HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    with as_options({"acceleration": "--acceleration", "spin": "--spin"}):
+        options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
     if (mjcf or film) and out is None:
         key = "--mjcf" if mjcf else "--film"
         raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
@@ -75,7 +76,7 @@ def hold(
         **dict(zip(("scene", "task", "robot"), names, strict=True)),
         "outcomes": [outcome.to_json() for outcome in outcomes],
     }
-    saved = [] if out is None else [_saved(content, out / file_name(*names, "hold", suffix="json"))]
+    saved = [] if out is None else [save_json(out / file_name(*names, "hold", suffix="json"), content)]
     terminal.find(lambda: content, lambda: _report(outcomes, options, terminal))
     for line in saved:
         terminal.say(line)
@@ -83,8 +84,12 @@ def hold(
         raise typer.Exit(INTERRUPTED)
     if out is not None:
         model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
-        for line in _drawn(grasps[0], options, model if mjcf else None, frames if film else None):
-            terminal.say(line)
+        if mjcf:
+            terminal.say(save(model, lambda: pinograsp.write_mjcf(grasps[0], model, options)))
+        if film:
+            with terminal.progress() as progress:
+                drawn = save(frames, lambda: pinograsp.write_film(grasps[0], frames, options, progress=progress))
+            terminal.say(drawn)
     if not all(outcome.held and not any(outcome.controls.values()) for outcome in outcomes):
         raise typer.Exit(NOT_HELD)
 
@@ -100,33 +105,13 @@ def _chosen(
     return result.grasps[:best], 1
 
 
-def _saved(content: dict[str, Any], file: Path) -> str:
-    from ..disk import write_whole
-
-    return save(file, lambda: write_whole(file, json.dumps(content, indent=1, allow_nan=False) + "\n"))
-
-
-def _drawn(
-    grasp: pinograsp.Grasp, options: pinograsp.HoldOptions, model: Path | None, film: Path | None
-) -> Iterator[str]:
-    """Write model and film, and yield what to say of each."""
-    if model is not None:
-        from ..hold.write import write_mjcf
-
-        yield save(model, lambda: write_mjcf(grasp, model, options))
-    if film is not None:
-        from ..hold.film import write_film
-
-        yield save(film, lambda: write_film(grasp, film, options))
-
-
-def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions, terminal: Terminal) -> None:
+def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions, terminal: Terminal) -> None:
     terminal.table(_table(outcomes, options))
     for line in _lines(outcomes, options):
         terminal.say(line)
 
 
-def _table(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions) -> Table:
+def _table(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions) -> Table:
     """Return a table of outcomes; of each grasp the forces of its pads, the planned ones below the measured ones."""
     table = Table("forces of the pads at rest in N: in the simulation, and below as planned")
     table.numbers("", "held", "moved\nmm", "turned\n°", "pads\nN")
@@ -148,7 +133,7 @@ def _slip(outcome: pinograsp.HoldOutcome) -> str:
     return f"{slip.acceleration:.1f} {slip.direction}" if slip.slipped else f"> {slip.acceleration:.0f}"
 
 
-def _lines(outcomes: Sequence[pinograsp.HoldOutcome], options: pinograsp.HoldOptions) -> list[str]:
+def _lines(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions) -> list[str]:
     held = sum(outcome.held for outcome in outcomes)
     lines = [
         f"{held} of {len(outcomes)} grasps hold at rest, shaken with {options.acceleration:g} m/s² and turned with "

@@ -6,7 +6,8 @@ import math
 
 import pinograsp
 
-from ..errors import UnknownNameError, close_names
+ORDERS = "score, U, Q_force, Q_torque, clearance, reserve, manipulability"
+"""For the help, which does not wait for the library that knows them."""
 
 
 def require_order(name: str) -> None:
@@ -15,12 +16,11 @@ def require_order(name: str) -> None:
     Raises:
         UnknownNameError: there is no such criterion.
     """
-    from ..results.criteria import ALIASES, BY_NAME
+    from ..results.criteria import criterion_of
     from ..results.ranking import SCORE
 
-    known = [SCORE, *BY_NAME, *ALIASES]
-    if name not in known:
-        raise UnknownNameError(f"no order is called {name!r}", key="--rank-by", remedy=close_names(name, known))
+    if name != SCORE:
+        criterion_of(name, (), further=(SCORE,))
 
 
 def is_measured(by: str, result: pinograsp.Result) -> bool:

@@ -12,14 +12,13 @@ import pinograsp
 
 from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
-from .arguments import INTERRUPTED, command
+from .arguments import INTERRUPTED, as_options, command, given
 from .folders import file_name, make_folder, save
 from .inputs import read_robot, read_scene
-from .orders import is_measured, require_order
+from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
 
 NOTHING_FOUND = 1
-ALGORITHM = "LD_SLSQP"
 
 
 def register(app: typer.Typer) -> None:
@@ -44,15 +43,16 @@ def plan(
     rank_by: Annotated[
         str,
         typer.Option(
-            help="Order of table and page, not of the JSON file: score, U, Q_force, Q_torque, clearance, reserve or "
-            "manipulability.",
+            help=f"Order of table and page, not of the JSON file: {ORDERS}.",
             autocompletion=completion.criteria,
         ),
     ] = "score",
     database: Annotated[
         Path | None, typer.Option(help="Start database.", show_default="a small one, built once in the cache folder")
     ] = None,
-    algorithm: Annotated[str, typer.Option(help="Solver: LD_SLSQP, or LN_COBYLA as in the paper.")] = ALGORITHM,
+    algorithm: Annotated[
+        str | None, typer.Option(help="Solver: LD_SLSQP, or LN_COBYLA as in the paper.", show_default="LD_SLSQP")
+    ] = None,
     max_evaluations: Annotated[
         int | None, typer.Option(min=1, help="Budget of evaluations of a start.", show_default="that of the solver")
     ] = None,
@@ -70,9 +70,9 @@ def plan(
     """
     terminal = Terminal(as_json, quiet)
     described = read_scene(scene, task, object_pose, lock)
-    require_order(rank_by)
-    options = pinograsp.SolverOptions(algorithm=algorithm, max_evaluations=max_evaluations)
-    assert options.budget  # refuses a solver that there is not
+    with as_options({"by": "--rank-by", "algorithm": "--algorithm"}):
+        require_order(rank_by)
+        options = pinograsp.SolverOptions(**given(algorithm=algorithm, max_evaluations=max_evaluations))
     make_folder(out)
     with terminal.progress() as progress:
         model = read_robot(robot)

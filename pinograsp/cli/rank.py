@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
@@ -9,8 +10,8 @@ import typer
 import pinograsp
 
 from . import arguments, completion
-from .arguments import command, names_of
-from .orders import is_measured
+from .arguments import as_options, command
+from .orders import ORDERS, is_measured
 from .terminal import Terminal
 
 NONE = 1
@@ -34,7 +35,7 @@ def rank(
         str,
         typer.Option(
             metavar="CRITERION",
-            help="score, U, Q_force, Q_torque, clearance, reserve, manipulability, or a figure of the certificates.",
+            help=f"{ORDERS}, or a figure of the certificates.",
             autocompletion=completion.criteria,
         ),
     ] = "score",
@@ -62,13 +63,19 @@ def rank(
     """
     terminal = Terminal(as_json, quiet)
     result = pinograsp.read_json(file)
-    criteria = names_of(pareto or ())
-    listed = _listed(result, by, criteria, None if every else different)
+    criteria = _names(pareto or ())
+    with as_options({"by": "--by", "criteria": "--pareto"}):
+        listed = _listed(result, by, criteria, None if every else different)
     terminal.find(
         lambda: _document(result, by, criteria, listed), lambda: _report(result, by, criteria, listed, terminal)
     )
     if not listed:
         raise typer.Exit(NONE)
+
+
+def _names(texts: Sequence[str]) -> list[str]:
+    """Return names that are given one after the other or with commas between them."""
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _listed(
@@ -94,7 +101,7 @@ def _document(
         for grasp, starts, grasp_count in listed
     ]
     names = {"robot": result.robot, "scene": result.scene, "task": result.task}
-    return {**names, "by": by, "pareto": criteria, "different": shown}
+    return {**names, "by": by, "pareto": criteria, "ranked": shown}
 
 
 def _report(

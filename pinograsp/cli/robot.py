@@ -9,8 +9,9 @@ import typer
 
 import pinograsp
 
+from ..disk import is_file, write_whole
 from . import arguments
-from .arguments import command, group, help_alone
+from .arguments import as_options, command, group, help_alone
 from .folders import file_name, make_folder, save
 from .terminal import Terminal
 
@@ -19,6 +20,16 @@ if TYPE_CHECKING:
 
 SOMETHING_WRONG = 1
 ZERO = (0.0, 0.0, 0.0)
+NEW_OPTIONS = {
+    "urdf": "URDF",
+    "tip": "--tip",
+    "hand": "--hand",
+    "hand.urdf": "--hand",
+    "hand.to": "--to",
+    "hand.root": "--hand-root",
+    "hand.prefix": "--prefix",
+}
+"""Of `robot new`, by the arguments of `new_robot_file`."""
 
 
 def register(app: typer.Typer) -> None:
@@ -107,8 +118,6 @@ def new(
 
     Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """
-    from ..onboarding.new import refuse_existing, write_new
-
     terminal = Terminal(as_json, quiet)
     file = (Path("robots") / Path(urdf).stem if out is None else out) / "robot.yaml"
     mount = None
@@ -117,10 +126,13 @@ def new(
     elif to is not None or hand_root is not None:
         key = "--hand-root" if to is None else "--to"
         raise pinograsp.InputError("is for a hand with a URDF of its own", key=key, remedy="Give that with --hand")
-    refuse_existing(file, replace=force)
-    with terminal.progress():
-        text, found = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or ())
-    saved = save(file, lambda: write_new(text, file))
+    if is_file(file) and not force:
+        raise pinograsp.InputError("exists already", file=file, key="--out", remedy="Use --force to replace it")
+    with as_options(NEW_OPTIONS), terminal.progress() as progress:
+        text, found = pinograsp.new_robot_file(
+            urdf, file, hand=mount, tip=tip, packages=packages or (), progress=progress
+        )
+    saved = save(file, lambda: write_whole(file, text))
     marked = {
         number: line.strip() for number, line in enumerate(text.splitlines(), 1) if "CHECK" in line and number > 1
     }

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
-import json
 import os
 import shutil
 import sys
@@ -14,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ..disk import reason_of
+from ..disk import json_text, reason_of
 from ..errors import FileError
 from .reporters import reporter
 
@@ -42,7 +40,7 @@ class Terminal:
     def find(self, document: Callable[[], Mapping[str, Any]], lines: Callable[[], None]) -> None:
         """Give the finding: as JSON the document, otherwise what `lines` says."""
         if self._as_json:
-            _write(json.dumps(document(), indent=1, allow_nan=False))
+            _write(json_text(document()).removesuffix("\n"))
         elif not self._quiet:
             lines()
 
@@ -62,8 +60,7 @@ class Terminal:
             _write(f"{typer.style('warning:', fg='yellow')} {line}", error=True)
 
     def progress(self) -> contextlib.AbstractContextManager[Report]:
-        """Return what shows progress while its block goes on: from here on there is work, and garbage to collect."""
-        gc.enable()
+        """Return what shows progress while its block goes on."""
         return reporter(quiet=self._quiet, terminal=_is_terminal(sys.stderr))
 
 

@@ -39,12 +39,14 @@ def verify(
     result = pinograsp.read_json(file)
     with terminal.progress() as progress:
         found = pinograsp.verify(result, progress)
-    terminal.find(
-        lambda: {"grasps": len(result.grasps), "differences": [difference.to_json() for difference in found]},
-        lambda: _report(len(result.grasps), found, terminal),
-    )
+    terminal.find(lambda: _document(result, found), lambda: _report(len(result.grasps), found, terminal))
     if found:
         raise typer.Exit(DIFFERENT)
+
+
+def _document(result: pinograsp.Result, found: Sequence[pinograsp.Difference]) -> dict[str, object]:
+    names = {"robot": result.robot, "scene": result.scene, "task": result.task}
+    return {**names, "grasps": len(result.grasps), "differences": [difference.to_json() for difference in found]}
 
 
 def _report(count: int, found: Sequence[pinograsp.Difference], terminal: Terminal) -> None:

@@ -30,7 +30,7 @@ from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
 from .spread import Spread
-from .store import Database, columns, create, create_tables, require_identity, set_metadata
+from .store import Database, columns, create, create_tables, interruptible, require_identity, set_metadata
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
@@ -85,7 +85,7 @@ def build_database(
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
     link_bodies(robot, progress)
-    with building(path, wait=wait), processes as pool:
+    with interruptible(), building(path, wait=wait), processes as pool:
         _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
             _add(path, pool.run(prepare, missing, chunk=1), pace)

@@ -11,6 +11,8 @@ one is stored in the order of a space-filling curve of the wrist position (layou
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -144,6 +146,17 @@ class Database:
         with written_whole(as_path("file", file)) as unfinished:
             target = str(unfinished).replace("'", "''")
             self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Raise KeyboardInterrupt where Ctrl-C ends a query of the block: DuckDB raises a bare RuntimeError there."""
+    try:
+        yield
+    except RuntimeError as error:
+        if str(error) != "Query interrupted":
+            raise
+        raise KeyboardInterrupt from None
 
 
 def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:

@@ -31,5 +31,5 @@ class Cone(Record):
         if length == 0.0:
             raise InputError("has no direction: its length is 0", key="axis")
         object.__setattr__(self, "axis", axis / length)
-        object.__setattr__(self, "half_angle", real_number("half_angle", self.half_angle, 0.0, math.pi))
+        object.__setattr__(self, "half_angle", real_number("half_angle", self.half_angle, 0.0, math.pi, unit="rad"))
         super().__post_init__()

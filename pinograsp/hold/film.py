@@ -14,11 +14,12 @@ import numpy as np
 from ..arrays import Array
 from ..disk import as_path, write_whole
 from ..errors import InputError, require_kind
+from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .library import mujoco, pillow
 from .mjcf import OBJECT, TIMESTEP, HandAndObject
 from .options import HoldOptions, given_options
-from .simulation import LOOK_STEPS, Simulation
+from .simulation import DIRECTIONS, LOOK_STEPS, Simulation
 
 _SIZE = (640, 480)
 _DISTANCE = 0.5
@@ -32,7 +33,9 @@ _BACKENDS = ("egl", "osmesa", "glfw", "cgl")
 """MuJoCo's ways to draw, in the order in which they are tried: without a screen first."""
 
 
-def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = None) -> None:
+def write_film(
+    grasp: Grasp, file: Path | str, options: HoldOptions | None = None, *, progress: Report = no_report
+) -> None:
     """Write an animated GIF of a grasp that settles, is shaken and turned.
 
     The base of the hand stays where it is: what moves is the object against the hand. A red arrow shows the
@@ -42,6 +45,7 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
         grasp: of a result.
         file: to be written, ending in .gif.
         options: loads and control.
+        progress: called before the film and after every phase of it.
 
     Raises:
         MissingExtraError: MuJoCo or Pillow is not installed.
@@ -53,8 +57,11 @@ def write_film(grasp: Grasp, file: Path | str, options: HoldOptions | None = Non
     model = HandAndObject(grasp.required_setup, options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
     simulation = Simulation(model, options, look=camera.look)
+    total = 2 + 2 * len(DIRECTIONS)  # settle, gravity; shakes and spins
+    progress(Progress("film", 0, total))
     try:
-        for phase in simulation.phases():
+        for done, phase in enumerate(simulation.phases(), 1):
+            progress(Progress("film", done, total))
             if phase.name in ("settle", "gravity") and not phase.in_place:
                 break
     finally:

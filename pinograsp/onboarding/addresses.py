@@ -14,8 +14,8 @@ from ..errors import FileError
 PACKAGE = "package://"
 
 
-def find_urdf(address: str, packages: Sequence[Path], option: str) -> Path:
-    """Return the URDF behind a path or a `package://` address given on the command line.
+def find_urdf(address: str, packages: Sequence[Path], argument: str) -> Path:
+    """Return the URDF behind a path or a `package://` address that was given as an argument.
 
     Raises:
         FileError: there is none.
@@ -23,7 +23,7 @@ def find_urdf(address: str, packages: Sequence[Path], option: str) -> Path:
     if not address.startswith(PACKAGE):
         file = Path(address).expanduser()
         if not is_file(file):
-            raise FileError("no such file", file=file, key=option)
+            raise FileError("no such file", file=file, key=argument)
         return file.resolve()
     folders = [*packages, wheel_share()]
     for folder in folders:
@@ -31,8 +31,8 @@ def find_urdf(address: str, packages: Sequence[Path], option: str) -> Path:
         if is_file(file):
             return file.resolve()
     looked = ", ".join(str(folder) for folder in folders)
-    remedy = f"Looked in {looked}; name further folders with --packages"
-    raise FileError(f"{address} was not found", key=option, remedy=remedy)
+    remedy = f"Looked in {looked}; give further folders as packages"
+    raise FileError(f"{address} was not found", key=argument, remedy=remedy)
 
 
 def address_of(file: Path, output: Path) -> str:

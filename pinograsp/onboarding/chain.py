@@ -39,25 +39,21 @@ def find_chain(tree: UrdfTree, file: Path, tip: str | None, hand: frozenset[str]
         hand: the hand's joints, if they are known.
 
     Raises:
-        InputError: there are several such bodies, or none.
+        InputError: there are several such bodies, or none, or no such link.
     """
+    if tip is not None and tip not in tree.links:
+        raise UnknownNameError(f"there is no link {tip!r}", key="tip", remedy=close_names(tip, tree.links))
     palm = tree.body(tip) if tip is not None else _palm(tree, file)
     arm = tuple(joint.name for joint in tree.path(palm) if _free(tree, joint.name))
     moved = [joint for joint in tree.carried(palm) if hand is None or joint.name in hand]
     leaders = tuple(joint.name for joint in moved if joint.leader is None)
     if not arm:
-        raise InputError(f"no joint moves {palm}", file=file, remedy="Name a link at the end of the arm with --tip")
+        raise InputError(f"no joint moves {palm}", file=file, key="tip", remedy="Name a link at the end of the arm")
     if not leaders:
         raise _no_fingers(tree, file, palm)
     used = {*arm, *leaders}
     still = tuple(joint.name for joint in tree.movable if joint.leader is None and joint.name not in used)
     return Chain(arm, palm, leaders, still)
-
-
-def require_link(tree: UrdfTree, link: str, option: str) -> None:
-    """Raise an UnknownNameError unless the tree has a link of this name."""
-    if link not in tree.links:
-        raise UnknownNameError(f"there is no link {link!r}", key=option, remedy=close_names(link, tree.links))
 
 
 def last_link(tree: UrdfTree, file: Path) -> str:
@@ -70,7 +66,7 @@ def last_link(tree: UrdfTree, file: Path) -> str:
     longest = max(len(tree.path(link)) for link in ends)
     found = [link for link in ends if len(tree.path(link)) == longest]
     if len(found) > 1:
-        raise InputError(f"the arm ends in {in_words(found)}", file=file, key="--to", remedy="Name one of them")
+        raise InputError(f"the arm ends in {in_words(found)}", file=file, key="hand.to", remedy="Name one of them")
     return found[0]
 
 
@@ -85,8 +81,8 @@ def _palm(tree: UrdfTree, file: Path) -> str:
     tips = [palm for palm in palms if len(tree.path(palm)) == longest]
     if len(tips) > 1:
         problem = f"{len(tips)} tips, each after {number_of(longest, 'joint')}: {in_words(tips)}"
-        remedy = f"Name the one that is to hold, for example --tip {tips[0]}"
-        raise InputError(problem, file=file, key="--tip", remedy=remedy)
+        remedy = f"Name the one that is to hold, for example {tips[0]}"
+        raise InputError(problem, file=file, key="tip", remedy=remedy)
     return tips[0]
 
 
@@ -105,5 +101,6 @@ def _no_fingers(tree: UrdfTree, file: Path, palm: str) -> InputError:
     return InputError(
         f"no fingers were found: none branch off {in_words(links)}, after {number_of(count, 'joint')}",
         file=file,
-        remedy=f"Give the URDF of a gripper with --hand, and with --to where it sits, for example --to {links[-1]}",
+        key="hand",
+        remedy=f"Give the URDF of a gripper, and the link that it sits on, for example {links[-1]}",
     )

@@ -14,7 +14,8 @@ from ..descriptions.composition import Composition
 from ..descriptions.urdf import RobotUrdf, attachment_joint
 from ..kinematics.collision_elements import link_elements
 from ..kinematics.tree import UrdfTree
-from .chain import Chain, find_chain, require_link
+from ..progress import Progress, Report, no_report
+from .chain import Chain, find_chain
 from .facets import Facet, facets_of
 from .facing import facing_pair, usual_limits
 from .link_meshes import link_meshes
@@ -43,13 +44,14 @@ class Draft:
     """Whether the wrist's z axis points to the pads."""
 
 
-def draft(composition: Composition, urdf: RobotUrdf, tip: str | None) -> Draft:
+def draft(composition: Composition, urdf: RobotUrdf, tip: str | None, report: Report = no_report) -> Draft:
     """Find out what can be known without asking.
 
     Args:
         composition: what is attached last is the hand, if anything is.
         urdf: as composed.
         tip: a link of the body that carries the hand, where there are several.
+        report: called before the flat faces of every link of the hand are searched.
 
     Raises:
         InputError: a mesh cannot be read, or arm and hand cannot be told apart.
@@ -59,12 +61,13 @@ def draft(composition: Composition, urdf: RobotUrdf, tip: str | None) -> Draft:
     hand = None
     if composition.attach:
         hand, tip = _last_attached(tree, composition), composition.attach[-1].to
-    elif tip is not None:
-        require_link(tree, tip, "--tip")
     chain = find_chain(tree, file, tip, hand)
     moved = {tree.body(joint.child) for joint in tree.carried(chain.palm) if (joint.leader or joint.name) in chain.hand}
-    meshes = link_meshes(link_elements(urdf, file))
-    facets = [facet for link, mesh in meshes.items() if tree.body(link) in moved for facet in facets_of(link, mesh)]
+    meshes = {link: mesh for link, mesh in link_meshes(link_elements(urdf, file)).items() if tree.body(link) in moved}
+    facets: list[Facet] = []
+    for done, (link, mesh) in enumerate(meshes.items()):
+        report(Progress("flat faces of links", done, len(meshes)))
+        facets += facets_of(link, mesh)
     pads = facing_pair(facets, tree, chain.palm, chain.hand)
     to = composition.attach[-1].to if composition.attach else None
     wrist, towards = _wrist(tree, chain, pads, to)

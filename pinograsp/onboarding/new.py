@@ -10,11 +10,11 @@ from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..descriptions.values import Vector3
-from ..disk import is_file, write_whole
-from ..errors import FileError, InputError
+from ..errors import InputError
 from ..kinematics.tree import UrdfTree
+from ..progress import Report, no_report
 from .addresses import address_of, find_urdf, needed_packages
-from .chain import last_link, require_link
+from .chain import last_link
 from .draft import Draft, draft
 from .findings import in_words, number_of
 from .robot_file import robot_file, srdf_beside
@@ -43,6 +43,7 @@ def new_robot_file(
     hand: HandMount | None = None,
     tip: str | None = None,
     packages: Sequence[str | Path] = (),
+    progress: Report = no_report,
 ) -> tuple[str, Draft]:
     """Return the text of a first robot file, and what it says; nothing is written.
 
@@ -52,13 +53,14 @@ def new_robot_file(
         hand: a hand of its own.
         tip: a link of the body that carries the hand, where there are several.
         packages: folders in which `package://` is looked up.
+        progress: called as the `flat faces of links` are searched for pads.
 
     Raises:
         InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
     """
     output, folders = Path(output), [Path(folder) for folder in packages]
-    files = [find_urdf(str(urdf), folders, "URDF")]
-    files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "--hand")]
+    files = [find_urdf(str(urdf), folders, "urdf")]
+    files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "hand.urdf")]
     composition = Composition(
         format=1,
         urdf=address_of(files[0], output),
@@ -69,57 +71,29 @@ def new_robot_file(
     composed = read_urdf(composition)
     if hand is not None:
         file = composition.urdf_file
-        to = _mount(UrdfTree(composed, file), file, hand)
+        to = last_link(UrdfTree(composed, file), file) if hand.to is None else hand.to
         composition = _with_hand(composition, hand, to, address_of(files[1], output))
         composed = _attached(composed, composition)
-    found = draft(composition, composed, tip)
+    found = draft(composition, composed, tip, progress)
     srdf = srdf_beside(files[0])
     name = output.resolve().parent.name
     return robot_file(found, name, None if srdf is None else address_of(srdf, output)), found
 
 
-_OPTIONS = {"attach[0].prefix": "--prefix", "attach[0].root": "--hand-root"}
-
-
 def _attached(arm: RobotUrdf, composition: Composition) -> RobotUrdf:
-    """Attach the hand; errors about keys of the robot file, which is not there yet, become those about options."""
+    """Attach the hand; errors about keys of the robot file, which is not there yet, become those about `hand`."""
     try:
         return attached(arm, composition, 0)
     except InputError as error:
-        if error.key not in _OPTIONS:
+        if not (error.key or "").startswith("attach[0]."):
             raise
-        raise InputError(error.problem, key=_OPTIONS[error.key], remedy=error.remedy) from None
-
-
-def _mount(arm: UrdfTree, file: Path, hand: HandMount) -> str:
-    """Return the link of the arm that the hand sits on."""
-    if hand.to is None:
-        return last_link(arm, file)
-    require_link(arm, hand.to, "--to")
-    return hand.to
+        key = str(error.key).replace("attach[0]", "hand")
+        raise type(error)(error.problem, key=key, remedy=error.remedy) from None
 
 
 def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Composition:
     part = Attachment(urdf=address, root=hand.root, to=to, prefix=hand.prefix, position=hand.position, rpy=hand.rpy)
     return arm.model_copy(update={"attach": (part,)})
-
-
-def refuse_existing(output: Path, *, replace: bool) -> None:
-    """Raise an InputError if a robot file is there that is not to be replaced."""
-    if is_file(output) and not replace:
-        raise InputError("exists already", file=output, key="--out", remedy="Use --force to replace it")
-
-
-def write_new(text: str, output: Path) -> None:
-    """Write a robot file; the folder is made.
-
-    Raises:
-        FileError: it cannot be written.
-    """
-    try:
-        write_whole(output, text)
-    except FileError as error:
-        raise FileError(error.problem, file=output, key="--out") from None
 
 
 def summary_lines(found: Draft) -> list[str]:

@@ -24,7 +24,7 @@ from ..errors import InputError, real_number, require_kind, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
-from ..problem import GraspProblem, TaskModel, check_task
+from ..problem import GraspProblem, TaskModel, check_placement, check_task
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -140,6 +140,7 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0)
         began = time.perf_counter()
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         run = Run(Setup(self._robot.description, self._scene, task), self._robot.files, starts, check_task(model))
         run.facts = {"seed": seed, "options": self._options.to_json()}
@@ -186,6 +187,7 @@ class Planner:
         if deadline is not None:
             real_number("deadline", deadline, 0.0)
         began = time.perf_counter()
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         check_task(model)
         if task not in self._hands:  # neither depends on where objects stand

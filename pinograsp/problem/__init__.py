@@ -6,7 +6,7 @@
 The active internal forces y belong to x as the minimiser of the nested problem (8).
 """
 
-from .checks import check_task
+from .checks import check_placement, check_task
 from .constraint import Constraint, Inside, Residual, Violation
 from .constraints import CONSTRAINTS
 from .cost import Cost
@@ -27,5 +27,6 @@ __all__ = [
     "State",
     "TaskModel",
     "Violation",
+    "check_placement",
     "check_task",
 ]

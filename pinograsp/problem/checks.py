@@ -1,10 +1,12 @@
-"""Checks of a task, with robot and scene, that need no solve."""
+"""Checks of a task that need no solve: of the task in its scene, and with the robot."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..descriptions import Scene, Task
 from ..errors import TaskError
+from ..geometry.shapes import Surface, surface_of
 from ..kinematics.hand_posture import widest_jaw
 from .regions import check_region
 from .task_model import TaskModel
@@ -13,16 +15,26 @@ TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""
 
 
-def check_task(model: TaskModel) -> list[str]:
-    """Refuse a task that cannot be meant; return what is odd about it, in words.
+def check_placement(scene: Scene, task_name: str) -> None:
+    """Refuse a task that cannot be meant in its scene, whatever the robot.
 
     Raises:
-        TaskError: the object reaches beyond a wall, a desired contact is off the surface, the number of
-            desired contacts is not that of the pads, the jaw does not open wide enough, or no contact can be made in
-            the contact region.
+        TaskError: the object reaches beyond a wall, or a desired contact is off the surface.
+        UnknownNameError: the scene has no such task.
     """
-    _object_inside(model)
-    _contacts_on_surface(model)
+    task = scene.task(task_name)
+    surface = surface_of(scene.objects[task.object].shape)
+    _object_inside(scene, task, surface)
+    _contacts_on_surface(scene, task_name, surface)
+
+
+def check_task(model: TaskModel) -> list[str]:
+    """Refuse a task that cannot be meant with its robot; return what is odd about it, in words.
+
+    Raises:
+        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough, or no
+            contact can be made in the contact region.
+    """
     pads = len(model.robot.description.pads)
     if len(model.desired_points) != pads:
         raise TaskError(
@@ -35,29 +47,31 @@ def check_task(model: TaskModel) -> list[str]:
     return check_region(model)
 
 
-def _object_inside(model: TaskModel) -> None:
-    name = model.task.object
-    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
-    for wall, (inward, offset) in model.scene.enclosure.walls.items():
-        beyond = offset - (inward @ origin - model.surface.extent(-R.T @ inward))
+def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:
+    name = task.object
+    T = scene.objects[name].pose.matrix
+    R, origin = T[:3, :3], T[:3, 3]
+    for wall, (inward, offset) in scene.enclosure.walls.items():
+        beyond = offset - (inward @ origin - surface.extent(-R.T @ inward))
         if beyond > TOLERANCE:
             raise TaskError(
                 f"the object {name!r} is outside the enclosure: {1e3 * beyond:.1f} mm beyond {wall}",
-                file=model.scene.source,
+                file=scene.source,
                 key=f"objects.{name}.pose",
                 remedy="Move the object or the wall",
             )
 
 
-def _contacts_on_surface(model: TaskModel) -> None:
-    distances, _, _ = model.object_surface(model.desired_points)
+def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:
+    task = scene.task(task_name)
+    distances, _, _ = surface.signed_distance(np.array(task.desired_contacts))
     worst = int(np.abs(distances).argmax())
     if abs(distances[worst]) > TOLERANCE:
         side = "outside" if distances[worst] > 0 else "inside"
         raise TaskError(
-            f"this desired contact is {1e3 * abs(distances[worst]):.1f} mm {side} the surface of {model.task.object!r}",
-            file=model.scene.source,
-            key=f"tasks.{model.task_name}.desired_contacts[{worst}]",
+            f"this desired contact is {1e3 * abs(distances[worst]):.1f} mm {side} the surface of {task.object!r}",
+            file=scene.source,
+            key=f"tasks.{task_name}.desired_contacts[{worst}]",
             remedy="Desired contacts are points of the surface, in the object's frame, in metres",
         )
 

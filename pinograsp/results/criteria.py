@@ -148,33 +148,35 @@ CRITERIA = (
         format=".3f",
     ),
 )
-"""A further criterion is a further entry, and nothing else."""
+"""A further criterion is a further entry; the help of the command line names it, too, as a test sees to."""
 
 BY_NAME = {criterion.name: criterion for criterion in CRITERIA}
 ALIASES = {"Q": "Q_force"}
 
 
-def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = ()) -> Criterion:
+def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = (), key: str = "by") -> Criterion:
     """Return a criterion by its name, by its alias, or by the name of a figure of one of the grasps.
 
     Args:
         name: as above.
         grasps: whose figures count.
         further: names that the caller knows besides, for the remedy.
+        key: argument that errors name.
 
     Raises:
         UnknownNameError: there is none of this name.
         InputError: it is no name.
     """
     if not isinstance(name, str):
-        raise InputError(f"the name of a criterion is wanted, not {name!r}")
+        raise InputError(f"the name of a criterion is wanted, not {name!r}", key=key)
     known = BY_NAME.get(ALIASES.get(name, name))
     if known:
         return known
     figures = {figure.name: figure for grasp in grasps for figure in grasp.certificate.figures}
     if name not in figures:
         names = sorted({*further, *BY_NAME, *ALIASES, *figures})
-        raise UnknownNameError(f"no criterion and no figure is called {name!r}", remedy=close_names(name, names))
+        problem = f"no criterion and no figure is called {name!r}"
+        raise UnknownNameError(problem, key=key, remedy=close_names(name, names))
     figure = figures[name]
     better: Literal["least", "most"] = "most" if figure.sense == "at least" else "least"
     return Criterion(

@@ -6,10 +6,9 @@ The layout (`encoding`) has a format version; `read_json` refuses others.
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 
-from ..disk import as_path, json_of, write_whole
+from ..disk import as_path, json_of, json_text, write_whole
 from ..errors import FileError, require_kind
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
@@ -30,7 +29,7 @@ def write_json(result: Result, file: Path | str) -> None:
         InputError: it is no result.
     """
     require_kind("result", result, Result)
-    write_whole(as_path("file", file), json.dumps(encode(result), indent=1, allow_nan=False) + "\n")
+    write_whole(as_path("file", file), json_text(encode(result)))
 
 
 def read_json(file: Path | str) -> Result:

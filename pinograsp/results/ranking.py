@@ -100,7 +100,7 @@ def pareto_front(grasps: Sequence[Grasp], criteria: Sequence[str] = FRONT) -> tu
     if not default or not criteria:
         return default
     numbers = [numbers_of(grasp) for grasp in default]
-    levels = np.array([criterion_of(name, default).levels(numbers) for name in criteria]).T
+    levels = np.array([criterion_of(name, default, key="criteria").levels(numbers) for name in criteria]).T
     distinct, which = np.unique(levels, axis=0, return_inverse=True)
     return tuple(default[i] for i in np.flatnonzero(_undominated(distinct)[which.reshape(-1)]))
 

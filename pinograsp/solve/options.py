@@ -17,7 +17,7 @@ class SolverOptions:
     """How each start is solved.
 
     Raises:
-        InputError: a number is out of range, or there is no such projection.
+        InputError: a number is out of range, or there is no such backend or projection.
     """
 
     algorithm: str = "LD_SLSQP"
@@ -34,7 +34,8 @@ class SolverOptions:
     """Conditions that a start is projected on before the solve."""
 
     def __post_init__(self) -> None:
-        """Refuse numbers that make no sense."""
+        """Refuse numbers that make no sense, and names that nothing has."""
+        backend_of(self.algorithm)
         if self.max_evaluations is not None:
             whole_number("max_evaluations", self.max_evaluations, 1)
         whole_number("tries", self.tries, 1)
@@ -46,11 +47,7 @@ class SolverOptions:
 
     @property
     def budget(self) -> int:
-        """Evaluations a start.
-
-        Raises:
-            InputError: there is no backend of this name.
-        """
+        """Evaluations a start."""
         return self.max_evaluations or backend_of(self.algorithm).budget
 
     def to_json(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ BACKENDS: dict[str, Backend] = {
     "LD_SLSQP": NLopt("LD_SLSQP", budget=200),
     "LN_COBYLA": NLopt("LN_COBYLA", budget=3000),
 }
-"""Backends by the name that `SolverOptions.algorithm` gives. Further ones may be added before a plan begins."""
+"""Backends by the name that `SolverOptions.algorithm` gives. Further ones may be added before options name them."""
 
 
 def backend_of(name: str) -> Backend:
