@@ -133,9 +133,7 @@ class Judge:
         body = self.body.model_copy(update={"pose": Pose.of(T_world_object), "center_of_mass": center})
         contact = self.task.contact.model_copy(update={"friction": draw.friction})
         task = self.task.model_copy(update={"contact": contact, "withstand": None})
-        changed = scene.changed(
-            objects={**scene.objects, self.task.object: body}, tasks={**scene.tasks, self.setup.task: task}
-        )
+        changed = scene.with_object(self.task.object, body).with_task(name, task)
         return Verifier(self.setup.robot, changed, name)
 
 

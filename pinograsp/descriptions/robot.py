@@ -9,16 +9,14 @@ metres, angles in radians, forces in newtons.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
-from . import locate
 from .composition import Composition
 from .hand import HandDescription, PadDescription, StiffnessDescription
 from .model import Frozen
-from .values import Interval, Name, Positive, Table, empty, ordered, unknown, wrong
+from .values import Interval, Name, Positive, Table, empty, ordered, wrong, wrong_name
 
 
 class ArmDescription(Frozen):
@@ -40,7 +38,7 @@ class ArmDescription(Frozen):
     def _limits_known(self) -> ArmDescription:
         for name, interval in self.limits.items():
             if name not in self.joints:
-                raise unknown(f"{name!r} is not among the arm's joints", name, list(self.joints), "limits", name)
+                raise wrong_name(f"{name!r} is not among the arm's joints", name, list(self.joints), "limits", name)
             ordered(interval, "limits", name)
         return self
 
@@ -94,20 +92,6 @@ class RobotDescription(Composition):
     def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
         _once([pad.name for pad in value], "name")
         return value
-
-
-def load_robot_description(name: str | Path) -> RobotDescription:
-    """Read a robot file, given by path, by folder or by the name of a shipped robot.
-
-    Raises:
-        InputError: the file, its URDF or its SRDF is missing, or a key or value is wrong.
-    """
-    file = locate.robot_file(name)
-    from .files import read_file  # YAML, which those of a result do not need
-
-    description = read_file(file, RobotDescription)
-    _ = description.files
-    return description
 
 
 def _once(names: Sequence[str], *path: str) -> None:
