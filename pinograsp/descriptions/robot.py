@@ -23,6 +23,7 @@ class ArmDescription(Frozen):
     """The joints that carry the hand, from the base outwards, and the link called wrist."""
 
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """Names of its joints in the URDF, from the base outwards."""
     wrist: Name
     """Link whose origin says where the wrist is (its z axis is the approach direction)."""
     limits: Table[Name, Interval] = Field(default_factory=empty)
@@ -50,7 +51,9 @@ class LinkCollisionDescription(Frozen):
     """How closely the collision meshes of one link are followed; what is not given is as for all links."""
 
     pieces: PieceCount | None = None
+    """Largest number of pieces of a mesh; 1: its convex hull."""
     tolerance: Positive | None = None
+    """Distance to the mesh below which a piece is not divided any more, m."""
 
 
 class CollisionDescription(Frozen):
@@ -61,6 +64,7 @@ class CollisionDescription(Frozen):
     tolerance: Positive = 0.004
     """A piece is not divided any more if 95 % of its outer surface are this near to the mesh, m."""
     links: Table[Name, LinkCollisionDescription] = Field(default_factory=empty)
+    """Links that differ from this, by name."""
 
     def of(self, link: str) -> tuple[int, float]:
         """Return number of pieces and tolerance, m, for the meshes of a link."""
@@ -72,12 +76,19 @@ class RobotDescription(Composition):
     """A robot file."""
 
     name: Name
+    """Of the robot; part of the names of its files of results."""
     description: str = ""
+    """For who reads the file or `pinograsp list`."""
     arm: ArmDescription
+    """The joints that carry the hand."""
     hand: HandDescription
+    """The synergies that move the hand."""
     pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
+    """Surfaces of fingers that are to touch objects."""
     stiffness: StiffnessDescription
+    """Compliance of the hand's joints and of its contacts."""
     collision: CollisionDescription = CollisionDescription()
+    """How closely convex pieces follow the collision meshes."""
 
     @field_validator("pads", mode="before")
     @classmethod

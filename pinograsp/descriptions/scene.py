@@ -59,6 +59,7 @@ class Body(Frozen):
     """A shape at a pose: an obstacle or an object."""
 
     shape: Shape
+    """In its own frame, m."""
     pose: Pose = Pose()
     """Of the shape's frame in the world, m and rad."""
 
@@ -85,13 +86,17 @@ class Scene(FileRoot):
     """
 
     format: Format1 = 1
+    """Version of the file's format."""
     source: Path | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
     """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
     name: FileName
+    """Of the scene; part of the names of its files of results."""
     description: str = ""
+    """For who reads the file or `pinograsp list`."""
     enclosure: Enclosure
+    """The room that the robot must stay in, m, world."""
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
     obstacles: Table[Name, Body] = Field(default_factory=empty)

@@ -109,11 +109,15 @@ class Task(Frozen):
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
     wrench: Wrench
+    """External force, N, and torque, N m, that the contacts are to balance, world."""
     contact: ContactConstants
+    """Friction, and limits of the contact forces, N."""
     force_weight: NotNegative = 1.0
     """k of (10), mm^2: weight of V against the squared contact distances."""
     margin: Margins = Margins()
+    """Least distances, m."""
     reserve: Reserves = Reserves()
+    """Least distances of joints from their limits, rad (m), and of contacts from rims, m."""
     contact_model: ContactModel | None = None
     """Contact model of every pad, in place of what the robot file says."""
     allowed_contacts: Region | None = None

@@ -29,7 +29,9 @@ class RobotReport:
     name: str
     """Of the robot."""
     findings: tuple[Finding, ...]
+    """In the order in which things are looked at."""
     links: tuple[LinkFigures, ...] = ()
+    """How closely each link is followed; empty if the file gives no robot."""
     robot: Robot | None = None
     """None if the file gives no robot."""
 

@@ -15,6 +15,7 @@ class Finding:
     level: Level
     """wrong: no grasp can come of it; doubtful: most likely not meant so."""
     what: str
+    """The finding in words, with numbers and their units."""
     remedy: str = ""
     """Words on how to mend it; empty where nothing is to be done."""
 
