@@ -27,6 +27,11 @@ from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import TaskModel
 
 Array = NDArray[np.float64]
+HEAVY = (
+    *("clarabel", "coal", "duckdb", "matplotlib", "meshcat", "mujoco", "nlopt", "numba", "pinocchio", "scipy"),
+    *("threadpoolctl", "trimesh", "yourdfpy"),
+)
+"""Libraries that who only reads a result does not load."""
 
 settings.register_profile("pinograsp", deadline=None, derandomize=True, database=None, max_examples=40)
 settings.load_profile("pinograsp")

@@ -322,8 +322,9 @@ def test_no_errors(make_grasp: Make) -> None:
     assert margins == {found.without_errors.margin}
 
 
-def test_slippery(make_grasp: Make) -> None:
-    found = assess(make_grasp(), Errors(friction=(0.05, 0.05)), samples=6, workers=1)
+@pytest.mark.parametrize("friction", [0.0, 0.05])
+def test_slippery(make_grasp: Make, friction: float) -> None:
+    found = assess(make_grasp(), Errors(friction=(friction, friction)), samples=6, workers=1)
     assert found.share == 0.0
     assert found.causes == {SLIPS: 6}
     assert found.worst is not None

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from conftest import HEAVY
 
 import pinograsp
 from pinograsp import Certificate, Contact, Figure, PairClearance, Progress, Result, cli
@@ -32,11 +33,6 @@ from pinograsp.results.encoding import encode
 from pinograsp.results.table import clearances_table, contacts_table, figures_table, grasp_table, list_table
 
 COMMAND = [sys.executable, "-W", "error", "-m", "pinograsp"]
-HEAVY = (
-    *("clarabel", "coal", "duckdb", "matplotlib", "meshcat", "mujoco", "nlopt", "numba", "pinocchio", "scipy"),
-    *("threadpoolctl", "trimesh", "yourdfpy"),
-)
-"""What help, errors and reading do not load."""
 LONG = "robotiq_85_right_inner_knuckle_link"
 """As long as names of links are."""
 

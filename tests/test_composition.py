@@ -19,7 +19,7 @@ from pinograsp import InputError, Robot, load_robot
 from pinograsp.database.identity import Identity
 from pinograsp.descriptions import Scene, load_robot_description
 from pinograsp.descriptions.pose import Pose
-from pinograsp.descriptions.scene import Margins
+from pinograsp.descriptions.task import Margins
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.kinematics.batch import BatchKinematics
 from pinograsp.kinematics.contacts import contact_kinematics

@@ -33,7 +33,7 @@ from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import Scene
-from pinograsp.descriptions.scene import Margins
+from pinograsp.descriptions.task import Margins
 from pinograsp.errors import InputError
 from pinograsp.geometry import cover_cache, covers
 from pinograsp.geometry.cover_cache import mesh_cover

@@ -32,7 +32,8 @@ from pinograsp.database.lock import building
 from pinograsp.database.query import Configurations, configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
 from pinograsp.database.store import Database, interruptible
-from pinograsp.descriptions.scene import Enclosure, Margins
+from pinograsp.descriptions.scene import Enclosure
+from pinograsp.descriptions.task import Margins
 from pinograsp.errors import InputError
 from pinograsp.geometry.cone import Cone
 from pinograsp.kinematics.forward import forward

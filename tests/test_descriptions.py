@@ -559,6 +559,19 @@ def test_shipped_file_fits_its_schema(kind: str, file: Path) -> None:
         assert not validator.is_valid(wrong)
 
 
+@pytest.mark.parametrize("kind", ["robot", "scene"])
+def test_schema_says_what_every_key_is(kind: str) -> None:
+    """But for tags and the format, which can have one value only."""
+    whole = schema(kind)  # type: ignore[arg-type]
+    for name, block in {kind: whole, **whole["$defs"]}.items():
+        for key, value in block["properties"].items():
+            assert value.get("description") or "const" in value, f"{name}.{key}"
+    task = schema("scene")["$defs"]["Task"]["properties"]
+    assert task["start_radius"]["description"].endswith("object's centre of mass, m.")
+    assert task["wrench"]["$ref"] == "#/$defs/Wrench"
+    assert "that the contacts are to balance" in task["wrench"]["description"]
+
+
 FOR_EDITORS = [case for case in BAD_VALUES if case[5][0] in {"unknown key", "missing", "a number is wanted"}]
 
 

@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
+import ast
+import importlib.metadata
 import json
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from conftest import HEAVY
 
 import pinograsp
 from pinograsp import Result, Robot, Scene, write_json
 
-HEAVY = (
-    "clarabel",
-    "coal",
-    "duckdb",
-    "matplotlib",
-    "meshcat",
-    "mujoco",
-    "nlopt",
-    "numba",
-    "pinocchio",
-    "rich",
-    "scipy",
-    "threadpoolctl",
-    "trimesh",
-    "typer",
-    "yourdfpy",
-)
+UNUSED = (*HEAVY, "rich", "typer")
+"""What Python does not load before it is used."""
 
 
 def run(script: str, *arguments: str) -> list[str]:
@@ -42,7 +32,7 @@ def run(script: str, *arguments: str) -> list[str]:
 
 def heavy_after(script: str, *arguments: str) -> list[str]:
     """Return the heavy libraries that are loaded after a script."""
-    ask = f"\nimport json, sys\nprint(json.dumps([name for name in {HEAVY} if name in sys.modules]))"
+    ask = f"\nimport json, sys\nprint(json.dumps([name for name in {UNUSED} if name in sys.modules]))"
     found: list[str] = json.loads(run(script + ask, *arguments)[-1])
     return found
 
@@ -54,6 +44,30 @@ def file(gen3: Robot, glovebox: Scene, tmp_path_factory: pytest.TempPathFactory)
     written = tmp_path_factory.mktemp("results") / "result.json"
     write_json(result, written)
     return written
+
+
+BROUGHT = {"coal": "coal", "pinocchio": "pin", "pydantic_core": "pydantic"}
+"""Modules whose distributions do not list them, or which come with one as its documented other half."""
+
+
+def test_every_library_that_is_imported_is_declared() -> None:
+    """A dependency of a dependency may go away."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    users = [*project["dependencies"], *project["optional-dependencies"]["hold"]]
+    declared = {re.split(r"[\[<>=]", given)[0].lower() for given in users}
+    distributions = importlib.metadata.packages_distributions()
+    for file in Path(pinograsp.__file__).parent.rglob("*.py"):
+        for module in _imported(file) - {*sys.stdlib_module_names, "pinograsp"}:
+            brought = [BROUGHT[module]] if module in BROUGHT else distributions[module]
+            assert declared & {name.lower().replace("_", "-") for name in brought}, f"{file.name} imports {module}"
+
+
+def _imported(file: Path) -> set[str]:
+    """Return the top-level modules that a file imports, within its functions too."""
+    nodes = list(ast.walk(ast.parse(file.read_text())))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [str(node.module) for node in nodes if isinstance(node, ast.ImportFrom) and not node.level]
+    return {name.partition(".")[0] for name in names}
 
 
 def test_importing_loads_no_module_of_the_package() -> None:

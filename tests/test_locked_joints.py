@@ -15,7 +15,7 @@ from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.query import spread_configurations
 from pinograsp.database.store import Database
-from pinograsp.descriptions.scene import JointInterval
+from pinograsp.descriptions.task import JointInterval
 from pinograsp.errors import InputError, TaskError, UnknownNameError
 from pinograsp.problem import GraspProblem, TaskModel
 from pinograsp.solve.local import LocalSolver

@@ -30,8 +30,9 @@ from pinograsp.collision.batch_clearance import CAP, BatchClearance
 from pinograsp.collision.distances import REACH, CollisionModel
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.descriptions import Scene
-from pinograsp.descriptions.scene import Margins, Pose
+from pinograsp.descriptions.scene import Pose
 from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
+from pinograsp.descriptions.task import Margins
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.batch import BatchKinematics
 from pinograsp.kinematics.contacts import contact_kinematics, jacobian_derivatives

@@ -16,7 +16,7 @@ from pinograsp.database.build import build_database
 from pinograsp.database.store import Database
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
-from pinograsp.descriptions.scene import ApproachCone, JointInterval
+from pinograsp.descriptions.task import ApproachCone, JointInterval
 from pinograsp.problem import GraspProblem, TaskModel, Violation
 from pinograsp.problem.constraints.approach import Approach
 from pinograsp.results import Grasp

@@ -112,7 +112,12 @@ def _members(name: str, defined: type) -> Iterator[Documented]:
                 if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
                     own = str(following.value.value)
                 quantity = bool(QUANTITY.search(ast.unparse(part.annotation)))
-                yield Documented(f"{name}.{field}", f"{own} {about}", quantity, True)
+                yield Documented(f"{name}.{field}", f"{own} {about}", quantity, bool(own) or _is_tag(part))
+
+
+def _is_tag(field: ast.AnnAssign) -> bool:
+    """Whether it can have one value only, the name of its class in files: `type` of a shape."""
+    return ast.unparse(field.annotation).startswith("Literal['") and "," not in ast.unparse(field.annotation)
 
 
 FUNCTIONS = list(_functions())

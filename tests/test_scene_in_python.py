@@ -221,7 +221,7 @@ def test_what_is_made_in_python_has_no_source_and_the_digest_of_its_content() ->
         ROOM.with_task("hold", force_weight=2.0),
         ROOM.with_task("again", HOLD),
         ROOM.with_obstacle("box", Body(shape=Box(size=(0.1, 0.1, 0.1)))),
-        ROOM.changed(name="other"),
+        ROOM.model_copy(update={"name": "other"}),
         ROOM.model_copy(update={"name": "another"}),
     ]
     assert len({scene.digest for scene in (ROOM, *others)}) == len(others) + 1
@@ -232,7 +232,7 @@ def test_equal_content_has_one_digest() -> None:
     """Whatever the order of names, and whether zero has a sign."""
     other = {"can": Object(shape=Cylinder(radius=0.03, height=0.1), pose=Pose(position=(0.4, -0.0, 0.0)))}
     one, two = (
-        ROOM.changed(objects=objects)
+        ROOM.model_copy(update={"objects": objects})
         for objects in ({"ball": BALL, **other}, {"can": {**other["can"].fields()}, "ball": BALL})
     )
     assert one == two
@@ -285,7 +285,7 @@ def test_nothing_of_a_scene_can_be_changed() -> None:
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
     given = {"ball": BALL}
-    made = ROOM.changed(objects=given)
+    made = ROOM.model_copy(update={"objects": given})
     given["other"] = BALL
     assert list(made.objects) == ["ball"]
 
@@ -316,6 +316,7 @@ def test_equality_is_that_of_the_content_though_matrices_were_computed() -> None
 
 NAN = math.nan
 SPHERE = Sphere(radius=0.1)
+MADE: dict[str, Any] = {name: getattr(ROOM, name) for name in ("name", "enclosure", "objects", "tasks")}
 BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: Sphere(radius=-1.0), "radius", ["greater than 0", "-1"]),
     (lambda: Sphere(radius=NAN), "radius", ["finite number"]),
@@ -350,11 +351,11 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: Enclosure(min=(0.0, 0.0, 1.0), max=(1.0, 1.0, 1.0)), "min[2]", ["below", "along z"]),
     (lambda: ContactConstants(friction=0.5, min_normal_force=9.0), "min_normal_force", ["below max_force, 5 N"]),
     (lambda: ApproachCone(direction=(0.0, 0.0, 1.0), angle=4.0), "angle", ["3.14"]),
-    (lambda: ROOM.changed(tasks={}, objects=None), "objects", ["a block of keys", "nothing"]),
-    (lambda: ROOM.changed(nmae="x"), "nmae", ["unknown key", "Did you mean name"]),
-    (lambda: ROOM.changed(digets="x"), "digets", ["unknown key"]),
-    (lambda: ROOM.changed(name="a/b"), "name", ["slash"]),
-    (lambda: ROOM.changed(name=""), "name", ["at least 1 character"]),
+    (lambda: ROOM.model_copy(update={"tasks": {}, "objects": None}), "objects", ["a block of keys", "nothing"]),
+    (lambda: ROOM.model_copy(update={"nmae": "x"}), "nmae", ["unknown key", "Did you mean name"]),
+    (lambda: ROOM.model_copy(update={"digets": "x"}), "digets", ["unknown key"]),
+    (lambda: ROOM.model_copy(update={"name": "a/b"}), "name", ["slash"]),
+    (lambda: ROOM.model_copy(update={"name": ""}), "name", ["at least 1 character"]),
     (lambda: ROOM.with_task("a/b", HOLD), "tasks.a/b", ["slash"]),
     (lambda: ROOM.with_task("a\\b", HOLD), "tasks.a\\b", ["slash"]),
     (lambda: ROOM.with_task("", HOLD), "tasks.", ["at least 1 character"]),
@@ -379,6 +380,14 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: ROOM.with_obstacle("box", 3), "obstacles.box", ["a block of keys"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_object("box", Body(shape=SPHERE)), "objects.box", ["a block of keys"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_object_pose("ball", np.eye(3)), "pose", ["(4, 4)"]),
+    (lambda: HOLD.model_copy(update={"lock": {"x": "nonsense"}}), "lock.x", ["a number", "'nonsense'"]),
+    (lambda: HOLD.model_copy(update={"lokc": {}}), "lokc", ["Did you mean lock"]),
+    (lambda: Pose().model_copy(update={"position": (0.0, NAN, 0.0)}), "position[1]", ["finite"]),
+    (lambda: Scene(**MADE, source="made_up.yaml"), "source", ["unknown key", "Remove it"]),
+    (lambda: Scene(**MADE, source=None), "source", ["unknown key"]),
+    (lambda: Scene(**MADE, digest="00"), "digest", ["unknown key", "Remove it"]),
+    (lambda: ROOM.model_copy(update={"source": "made_up.yaml"}), "source", ["unknown key"]),
+    (lambda: ROOM.model_copy(update={"digest": "00"}), "digest", ["unknown key"]),
     (lambda: Scene.from_dict([]), "data", ["a mapping of keys"]),  # type: ignore[arg-type]
     (lambda: Scene.from_dict({}), "format", ["missing"]),
     (lambda: Scene.from_dict({**ROOM.to_dict(), "format": 2}), "format", ["should be 1"]),
@@ -404,7 +413,7 @@ def test_bad_value(make: Callable[[], object], key: str, words: list[str]) -> No
         (lambda: ROOM.with_task("hodl", lock={}), "tasks", "Did you mean hold?"),
         (lambda: ROOM.with_task("hold", object="bal"), "tasks.hold.object", "no object 'bal' is defined. Did you mean"),
         (lambda: ROOM.with_object_pose("bal", Pose()), "objects", "Did you mean ball?"),
-        (lambda: ROOM.changed(objects={}), "tasks.hold.object", "no object 'ball' is defined. None is defined"),
+        (lambda: ROOM.model_copy(update={"objects": {}}), "tasks.hold.object", "no object 'ball' is defined. None is"),
         (lambda: ROOM.objects["bal"], None, "Did you mean ball?"),
     ],
 )

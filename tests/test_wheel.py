@@ -1,6 +1,6 @@
-"""The wheel, installed in an environment of its own that knows nothing of the repository.
+"""The wheel, installed in environments that hold what it declares and nothing else.
 
-Dependencies are those of the environment that runs the tests, inherited; so nothing is fetched.
+Dependencies come from the package index, or from the caches of pip and uv.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import tarfile
 import zipfile
 from pathlib import Path
@@ -21,13 +20,21 @@ from test_files import as_anybody
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
+VERSIONS = ("3.11", "3.12", "3.13")
+"""Of Python, those of the classifiers in `pyproject.toml`."""
+PLAN = ("plan", "glovebox", "--task", "sphere", "--starts", "8", "--workers", "1")
 
 
-class Installed(NamedTuple):
-    """The environment, and a folder outside of everything."""
+class Built(NamedTuple):
+    """The two archives."""
 
     wheel: Path
     sdist: Path
+
+
+class Installed(NamedTuple):
+    """The interpreter of an environment, and a folder outside of everything."""
+
     python: Path
     folder: Path
 
@@ -39,25 +46,57 @@ class Installed(NamedTuple):
             command, cwd=self.folder, env=environment, capture_output=True, text=True, check=False, timeout=600
         )
 
+    def plan(self, *command: str) -> None:
+        """Plan a few starts: a table, two files, and no warning."""
+        shutil.rmtree(self.folder / "out", ignore_errors=True)
+        done = self.run(*command, *PLAN)
+        assert done.returncode == 0, done.stderr
+        assert "8 of 8 starts verified" in done.stdout
+        assert "Warning" not in done.stderr
+        assert list((self.folder / "out").glob("*.json"))
+        assert list((self.folder / "out").glob("*.html"))
+
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    folder = tmp_path_factory.mktemp("wheel")
-    subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder / "dist")], cwd=ROOT, check=True)
-    (wheel,), (sdist,) = (folder / "dist").glob("*.whl"), (folder / "dist").glob("*.tar.gz")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder / "venv")], check=True)
+def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    folder = tmp_path_factory.mktemp("dist")
+    subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder)], cwd=ROOT, check=True)
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    return Built(wheel, sdist)
+
+
+@pytest.fixture(scope="module")
+def installed(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    return environment(sys.executable, built.wheel, tmp_path_factory.mktemp("wheel"))
+
+
+def environment(interpreter: str, wheel: Path, folder: Path) -> Installed:
+    """Return an environment into which pip has installed the wheel and what it declares."""
+    subprocess.run([interpreter, "-m", "venv", str(folder / "venv")], check=True)
     python = folder / "venv" / "bin" / "python"
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--python", str(python)]
-    subprocess.run([*pip, "install", "--no-deps", "--no-index", str(wheel)], check=True)
-    (packages,) = (folder / "venv" / "lib").glob("python*/site-packages")
-    (packages / "inherited.pth").write_text(f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n")
+    pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*pip, "install", str(wheel)], check=True)
     (folder / "elsewhere").mkdir()
-    return Installed(wheel, sdist, python, folder / "elsewhere")
+    return Installed(python, folder / "elsewhere")
 
 
-def test_what_is_in_it(installed: Installed) -> None:
-    wheel = set(zipfile.ZipFile(installed.wheel).namelist())
-    with tarfile.open(installed.sdist) as archive:
+def interpreter(version: str) -> str | None:
+    """Return a Python of a version that is there: on the path, or among those of pyenv."""
+    pyenv = Path(os.environ.get("PYENV_ROOT", "~/.pyenv")).expanduser()
+    found = [f"python{version}", *map(str, sorted(pyenv.glob(f"versions/{version}.*/bin/python")))]
+    return next(filter(_works, found), None)
+
+
+def _works(command: str) -> bool:
+    try:
+        return subprocess.run([command, "-c", ""], capture_output=True, check=False).returncode == 0
+    except FileNotFoundError:
+        return False
+
+
+def test_what_is_in_it(built: Built) -> None:
+    wheel = set(zipfile.ZipFile(built.wheel).namelist())
+    with tarfile.open(built.sdist) as archive:
         sdist = {name.partition("/")[2] for name in archive.getnames()}
     for name in ("py.typed", "__init__.pyi", "__main__.py"):
         assert f"pinograsp/{name}" in wheel & sdist
@@ -80,13 +119,29 @@ def test_it_is_what_is_imported(installed: Installed) -> None:
 @pytest.mark.parametrize("command", [("pinograsp",), ("python", "-m", "pinograsp")])
 def test_plan(installed: Installed, command: tuple[str, ...]) -> None:
     first, *further = command
-    shutil.rmtree(installed.folder / "out", ignore_errors=True)
-    plan = ("plan", "glovebox", "--task", "sphere", "--starts", "8", "--workers", "1")
-    done = installed.run(str(installed.python.parent / first), *further, *plan)
-    assert done.returncode == 0, done.stderr
-    assert "Warning" not in done.stderr
-    assert list((installed.folder / "out").glob("*.json"))
-    assert list((installed.folder / "out").glob("*.html"))
+    installed.plan(str(installed.python.parent / first), *further)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_version_of_python_that_is_there(built: Built, version: str, tmp_path: Path) -> None:
+    python = interpreter(version)
+    if python is None:
+        pytest.skip(f"there is no Python {version}")
+    made = environment(python, built.wheel, tmp_path)
+    assert made.run(str(made.python), "--version").stdout.startswith(f"Python {version}.")
+    made.plan(str(made.python.parent / "pinograsp"))
+
+
+def test_uv(built: Built, tmp_path: Path) -> None:
+    """In an environment that it makes, and as a tool that is run once."""
+    if shutil.which("uv") is None:
+        pytest.skip("there is no uv")
+    python = tmp_path / "venv" / "bin" / "python"
+    subprocess.run(["uv", "venv", "--quiet", "--python", sys.executable, str(tmp_path / "venv")], check=True)
+    subprocess.run(["uv", "pip", "install", "--quiet", "--python", str(python), str(built.wheel)], check=True)
+    made = Installed(python, tmp_path)
+    made.plan(str(python.parent / "pinograsp"))
+    made.plan("uv", "tool", "run", "--quiet", "--python", sys.executable, "--from", str(built.wheel), "pinograsp")
 
 
 def test_nothing_can_be_written_but_the_results(installed: Installed, tmp_path: Path) -> None:

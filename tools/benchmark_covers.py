@@ -24,7 +24,7 @@ from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.database.cache import cached_database
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.robot import CollisionDescription
-from pinograsp.descriptions.scene import Margins
+from pinograsp.descriptions.task import Margins
 from pinograsp.geometry.cover_cache import mesh_cover
 from pinograsp.geometry.mesh_file import read_triangles
 from pinograsp.kinematics.collision_elements import CollisionElement, collision_elements

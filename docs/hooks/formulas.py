@@ -1,6 +1,6 @@
 """Formulas as MathML: written in LaTeX, translated when the pages are built, drawn by the browser itself.
 
-A page needs no script for them, and its one font for mathematics is among the pages (`docs/fonts`).
+A page needs no script for them, and takes the font for mathematics that the system has.
 """
 
 from __future__ import annotations

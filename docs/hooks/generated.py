@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from attribute_docstrings import attribute_docstrings
 from commands import commands
 from result_keys import result_keys
 from schema_keys import schema_keys
@@ -27,8 +26,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
 
 
 def _keys(kind: str) -> str:
-    docstrings = attribute_docstrings(ROOT / "pinograsp")
-    return result_keys(docstrings) if kind == "result" else schema_keys(kind, docstrings)
+    return result_keys() if kind == "result" else schema_keys(kind)
 
 
 def _notebook(file: str) -> str:

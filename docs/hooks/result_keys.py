@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from attribute_docstrings import Docstrings
 
+from pinograsp.descriptions.docstrings import field_docstrings
 from pinograsp.frozen import Record
 from pinograsp.results.encoding import FORMAT_VERSION
 from pinograsp.results.result import Result
@@ -20,13 +20,13 @@ _FILES = {"RobotDescription": "[robot file](robot.md)", "Scene": "[scene file](s
 _WORDS = {str: "text", int: "whole number", float: "number", bool: "`true` or `false`", types.NoneType: "`null`"}
 
 
-def result_keys(docstrings: Docstrings) -> str:
+def result_keys() -> str:
     """Return a section with a table for the file and for every kind of block in it, as Markdown."""
     own = ["| `format_version` | whole number | " + f"{FORMAT_VERSION} |", "| `digest` | text | of everything else |"]
-    parts = ["## The whole result file { #result }", _table(Result, docstrings, own)]
+    parts = ["## The whole result file { #result }", _table(Result, own)]
     for record in _records(Result):
         description = " ".join((record.__doc__ or "").split("\n\n")[0].split())
-        parts += [f"## {record.__name__} {{ #{record.__name__.lower()} }}", description, _table(record, docstrings)]
+        parts += [f"## {record.__name__} {{ #{record.__name__.lower()} }}", description, _table(record)]
     return "\n\n".join(parts)
 
 
@@ -57,8 +57,9 @@ def _inside(kind: Any) -> Iterator[type[Record]]:
         yield from _inside(part)
 
 
-def _table(record: type[Record], docstrings: Docstrings, before: list[str] | None = None) -> str:
-    rows = [_row(name, _value(kind), docstrings[record.__name__].get(name)) for name, kind in _types(record).items()]
+def _table(record: type[Record], before: list[str] | None = None) -> str:
+    meanings = field_docstrings(record)
+    rows = [_row(name, _value(kind), meanings.get(name)) for name, kind in _types(record).items()]
     for name in record.also_in_json:
         getter = getattr(record, name).fget
         rows.append(_row(name, _value(typing.get_type_hints(getter)["return"]), getter.__doc__))

@@ -5,27 +5,24 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from attribute_docstrings import Docstrings
-
 from pinograsp.descriptions.schema import schema
 
 Block = dict[str, Any]
-_WHOLE = {"robot": "RobotDescription", "scene": "Scene"}
 _FIRST = {"format", "name", "description"}
 _NUMBERS = {"number": "number", "integer": "whole number"}
 _BOUNDS = {"exclusiveMinimum": ">", "gt": ">", "minimum": ">=", "ge": ">=", "exclusiveMaximum": "<", "lt": "<"}
 _BOUNDS |= {"maximum": "<=", "le": "<="}
 
 
-def schema_keys(kind: str, docstrings: Docstrings) -> str:
+def schema_keys(kind: str) -> str:
     """Return a section with a table for the file and for every kind of block in it, as Markdown."""
     if kind not in ("robot", "scene"):
         raise ValueError(f"there is no schema of {kind} files")
     whole = schema("robot") if kind == "robot" else schema("scene")
     blocks: dict[str, Block] = whole["$defs"]
-    parts = [f"## The whole {kind} file {{ #{kind} }}", _table(whole, docstrings[_WHOLE[kind]], blocks)]
+    parts = [f"## The whole {kind} file {{ #{kind} }}", _table(whole, blocks)]
     for name in _in_order(whole, blocks):
-        table = _table(blocks[name], docstrings.get(name, {}), blocks)
+        table = _table(blocks[name], blocks)
         parts += [f"## {name} {{ #{_anchor(name)} }}", _described(blocks[name]), table]
     return "\n\n".join(parts)
 
@@ -55,13 +52,13 @@ def _described(block: Block) -> str:
     return " ".join(block.get("description", "").split("\n\n")[0].split())
 
 
-def _table(block: Block, meanings: dict[str, str], blocks: dict[str, Block]) -> str:
+def _table(block: Block, blocks: dict[str, Block]) -> str:
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
     keys = sorted(block.get("properties", {}), key=lambda key: key not in _FIRST)
     for key, value in ((key, block["properties"][key]) for key in keys):
         default = "required" if key in block.get("required", []) else _default(value)
         inner = _references(value)
-        meaning = meanings.get(key) or (_described(blocks[inner[0]]) if len(inner) == 1 else "")
+        meaning = value.get("description") or (_described(blocks[inner[0]]) if len(inner) == 1 else "")
         cells = (f"`{key}`", _value(value), default, meaning.replace("|", "\\|"))
         rows.append("| " + " | ".join(cells) + " |")
     return '<div class="keys" markdown>\n\n' + "\n".join(rows) + "\n\n</div>"

@@ -41,6 +41,8 @@ from .verdict import COLLIDES, LOST, OFF_PAD, PENETRATES, SLIPS, TOUCHES, Verdic
 
 BALANCED = 1e-6
 """How much a margin may be below zero for the tolerance of the cone solver, N."""
+NO_FRICTION = 1e-9
+"""Coefficient that stands for none, which a task cannot have."""
 _CLEARANCES = ("enclosure clearance", "obstacle clearance", "self clearance", "self collision")
 
 
@@ -131,11 +133,9 @@ class Judge:
         scene, name = self.setup.scene, self.setup.task
         center = tuple((np.array(self.body.center_of_mass) + draw.center_of_mass).tolist())
         body = self.body.model_copy(update={"pose": Pose.of(T_world_object), "center_of_mass": center})
-        contact = self.task.contact.model_copy(update={"friction": draw.friction})
+        contact = self.task.contact.model_copy(update={"friction": max(draw.friction, NO_FRICTION)})
         task = self.task.model_copy(update={"contact": contact, "withstand": None})
-        changed = scene.changed(
-            objects={**scene.objects, self.task.object: body}, tasks={**scene.tasks, self.setup.task: task}
-        )
+        changed = scene.with_object(self.task.object, body).with_task(name, task)
         return Verifier(self.setup.robot, changed, name)
 
 

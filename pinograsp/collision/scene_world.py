@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..descriptions import Scene, Task
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..kinematics.robot import Robot
 from .allowed_pairs import allowed_pairs
 from .solids import link_bodies, scene_body, wall_bodies

@@ -20,7 +20,7 @@ from typing import get_args
 
 from ..collision.solids import link_bodies
 from ..descriptions import Scene
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..disk import as_path
 from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, require_kind, whole_number
 from ..execution import own_workers

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from ..descriptions import Scene
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..disk import cache_folder, is_file, reason_of
 from ..errors import FileError, InputError
 from ..kinematics.robot import Robot

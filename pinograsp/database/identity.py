@@ -11,7 +11,7 @@ import numpy as np
 
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.composition import UrdfPart
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening
 from ..kinematics.robot import Robot

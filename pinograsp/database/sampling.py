@@ -17,7 +17,7 @@ from ..arrays import Array, Indices
 from ..collision.batch_clearance import BatchClearance
 from ..collision.scene_world import enclosure_world
 from ..descriptions import Scene
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..kinematics.hand_posture import hand_opening
 from ..kinematics.robot import Robot
 from .spread import Spread

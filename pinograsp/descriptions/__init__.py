@@ -1,14 +1,17 @@
 """Robot files, scene files and tasks: YAML in, frozen and validated data out.
 
-`files` reads YAML with line numbers, `locate` finds files by path, by name and through `package://`,
-`robot` (with `composition` and `hand`) and `scene` hold the pydantic models. Nothing here knows Pinocchio or Coal.
+`load` reads what `locate` finds by path, by name and through `package://`; `files` does so for YAML with line numbers.
+`robot` (with `composition` and `hand`), `scene` and `task` hold the pydantic models. Nothing here knows Pinocchio or
+Coal.
 """
 
+from .load import load_robot_description, load_scene
 from .locate import shipped_robots, shipped_scenes
 from .pads import robot_for
-from .robot import RobotDescription, load_robot_description
-from .scene import Scene, Task, load_scene
+from .robot import RobotDescription
+from .scene import Scene
 from .schema import schema
+from .task import Task
 
 __all__ = [
     "RobotDescription",

@@ -17,7 +17,9 @@ class UrdfPart(Frozen):
     """The part that is taken of one URDF: all, or what `root` carries, less what the links under `leave_out` carry."""
 
     urdf: Name
+    """URDF: a path relative to the robot file, or `package://`."""
     srdf: str | None = None
+    """SRDF that says which pairs of links are left out, found in the same way; none if not given."""
     root: Name | None = None
     """Link with which it begins; the URDF's own root if not given."""
     leave_out: tuple[Name, ...] = ()
@@ -47,6 +49,7 @@ class Composition(FileRoot, UrdfPart):
     source: Path
     """Where the robot file was read from: what it names is found from there."""
     attach: tuple[Attachment, ...] = ()
+    """Further URDFs, each fixed to a link of what is there so far."""
     packages: tuple[Path, ...] = ()
     """Folders, besides those of the installed wheels, in which `package://` is looked up."""
 

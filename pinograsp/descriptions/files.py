@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from ..disk import content_of, digest
 from ..errors import FileError, InputError
 from .model import Root
-from .problems import INTERNAL, KeyPath, dotted, input_error
+from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
 
 
@@ -65,9 +65,7 @@ def read_file(file: Path, model: type[Root]) -> Root:
         raise _not_yaml(error, file) from None
     if not isinstance(content, dict):
         raise FileError("is empty or not a mapping of keys", file=file, remedy="Start with `format: 1`")
-    for reserved in INTERNAL:
-        if reserved in content:
-            raise InputError("unknown key", file=file, line=lines.of[(reserved,)], key=reserved, remedy="Remove it")
+    refuse_internal(content, file=file, lines=lines.of)
     try:
         return model.model_validate({"format": ABSENT, **content, "source": file, "digest": digest(data)})
     except ValidationError as error:

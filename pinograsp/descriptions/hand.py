@@ -68,6 +68,7 @@ class HandDescription(Frozen):
     """The hand's synergies: angles of its joints = rest + S sigma, where column k of S (3) is synergy k."""
 
     synergies: Annotated[tuple[SynergyDescription, ...], Field(min_length=1)]
+    """Inputs of the hand, the columns of S (3)."""
     rest: Table[Name, Number] = Field(default_factory=empty)
     """Angles, rad (m), with all synergies at 0; 0 if not given. A joint of no synergy stays there."""
 
@@ -116,9 +117,13 @@ class PadDescription(Frozen):
     """The surface patch of a finger link where contact is wanted."""
 
     name: Name
+    """Of the pad; tasks and results call it so."""
     link: Name
+    """Link of the URDF that carries it."""
     patch: Patch
+    """Surface where contact may be, in the link's frame, m."""
     contact: ContactModel
+    """What a contact on it transmits."""
 
 
 class StiffnessDescription(Frozen):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from .problems import input_error
+from .problems import input_error, refuse_internal
 
 
 class Frozen(BaseModel):
@@ -20,6 +21,7 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)  # what is never made costs nothing
 
     def __init__(self, /, **data: Any) -> None:
+        refuse_internal(data)
         try:
             super().__init__(**data)
         except ValidationError as error:
@@ -27,6 +29,31 @@ class Frozen(BaseModel):
 
     # So pydantic does not call it for the parts of a whole, whose errors then name the path from the whole.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @classmethod
+    def _made(cls, content: Mapping[str, Any]) -> Self:
+        """Return what a file of this content would give.
+
+        Raises:
+            InputError: a key is unknown or missing, or a value is wrong; the message names the key.
+        """
+        try:
+            return cls.model_validate(content)
+        except ValidationError as error:
+            raise input_error(error, cls, content) from None
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return the same with some fields replaced, validated as a file is.
+
+        Args:
+            update: values by field.
+            deep: makes no difference: what cannot be changed is its own copy.
+
+        Raises:
+            InputError: a field is unknown, or a value is wrong; the message names the key.
+        """
+        del deep
+        return self._made({**self.fields(), **update}) if update else self
 
     def __eq__(self, other: object) -> bool:
         """Whether another one of the same class says the same; what was computed from the fields does not count."""
@@ -38,26 +65,15 @@ class Frozen(BaseModel):
         """Return the values of the fields by name, without what was computed from them."""
         return {name: getattr(self, name) for name in type(self).model_fields}
 
-    # What was computed from the fields is neither copied, since a copy may be changed, nor pickled: arrays come back
-    # from there writable.
-
     def __copy__(self) -> Self:
-        return _only_fields(super().__copy__())
+        return self
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        return _only_fields(super().__deepcopy__(memo))
+        return self
 
     def __getstate__(self) -> dict[Any, Any]:
+        # Not what was computed from the fields: arrays would come back writable.
         return {**super().__getstate__(), "__dict__": self.fields()}
-
-
-Part = TypeVar("Part", bound=Frozen)
-
-
-def _only_fields(part: Part) -> Part:
-    for name in set(part.__dict__) - set(type(part).model_fields):
-        del part.__dict__[name]
-    return part
 
 
 class FileRoot(Frozen):

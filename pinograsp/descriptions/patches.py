@@ -28,9 +28,11 @@ class _Framed(Frozen):
     """A patch frame in the link's frame."""
 
     origin: Vector3
+    """Origin of the patch frame in the link's frame, m."""
     normal: Vector3
     """Outward: away from the finger, towards the object."""
     x_axis: Vector3
+    """Direction of the first contact parameter in the link's frame, length 1, perpendicular to the normal."""
     u: Interval
     """Range of the first contact parameter, m (sphere: rad)."""
 

@@ -17,6 +17,25 @@ INTERNAL = ("source", "digest")
 """Fields that are no keys of a file."""
 
 
+def refuse_internal(
+    content: Mapping[str, Any], *, file: Path | None = None, lines: Mapping[KeyPath, int] | None = None
+) -> None:
+    """Refuse what only the reader of a file sets.
+
+    Args:
+        content: of a file, or given in Python.
+        file: that the content was read from.
+        lines: of the file, by key path.
+
+    Raises:
+        InputError: it is given.
+    """
+    for name in INTERNAL:
+        if name in content:
+            line = None if lines is None else lines[(name,)]
+            raise InputError("unknown key", file=file, line=line, key=name, remedy="Remove it")
+
+
 def dotted(path: KeyPath) -> str:
     """Write a key path as `tasks.sphere.desired_contacts[0]`."""
     text = ""

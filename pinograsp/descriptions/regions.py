@@ -68,6 +68,7 @@ class AllOf(Frozen):
 
     type: Literal["all_of"] = "all_of"
     parts: Annotated[tuple[Region, ...], Field(min_length=1)]
+    """Regions that all hold the point."""
 
 
 class AnyOf(Frozen):
@@ -75,6 +76,7 @@ class AnyOf(Frozen):
 
     type: Literal["any_of"] = "any_of"
     parts: Annotated[tuple[Region, ...], Field(min_length=1)]
+    """Regions of which at least one holds the point."""
 
 
 class Outside(Frozen):
@@ -82,6 +84,7 @@ class Outside(Frozen):
 
     type: Literal["outside"] = "outside"
     part: Region
+    """Region that does not hold the point."""
 
 
 Region = Annotated[

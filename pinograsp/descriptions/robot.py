@@ -9,22 +9,21 @@ metres, angles in radians, forces in newtons.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
-from . import locate
 from .composition import Composition
 from .hand import HandDescription, PadDescription, StiffnessDescription
 from .model import Frozen
-from .values import Interval, Name, Positive, Table, empty, ordered, unknown, wrong
+from .values import Interval, Name, Positive, Table, empty, ordered, wrong, wrong_name
 
 
 class ArmDescription(Frozen):
     """The joints that carry the hand, from the base outwards, and the link called wrist."""
 
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """Names of its joints in the URDF, from the base outwards."""
     wrist: Name
     """Link whose origin says where the wrist is (its z axis is the approach direction)."""
     limits: Table[Name, Interval] = Field(default_factory=empty)
@@ -40,7 +39,7 @@ class ArmDescription(Frozen):
     def _limits_known(self) -> ArmDescription:
         for name, interval in self.limits.items():
             if name not in self.joints:
-                raise unknown(f"{name!r} is not among the arm's joints", name, list(self.joints), "limits", name)
+                raise wrong_name(f"{name!r} is not among the arm's joints", name, list(self.joints), "limits", name)
             ordered(interval, "limits", name)
         return self
 
@@ -52,7 +51,9 @@ class LinkCollisionDescription(Frozen):
     """How closely the collision meshes of one link are followed; what is not given is as for all links."""
 
     pieces: PieceCount | None = None
+    """Largest number of pieces of a mesh; 1: its convex hull."""
     tolerance: Positive | None = None
+    """Distance to the mesh below which a piece is not divided any more, m."""
 
 
 class CollisionDescription(Frozen):
@@ -63,6 +64,7 @@ class CollisionDescription(Frozen):
     tolerance: Positive = 0.004
     """A piece is not divided any more if 95 % of its outer surface are this near to the mesh, m."""
     links: Table[Name, LinkCollisionDescription] = Field(default_factory=empty)
+    """Links that differ from this, by name."""
 
     def of(self, link: str) -> tuple[int, float]:
         """Return number of pieces and tolerance, m, for the meshes of a link."""
@@ -74,12 +76,19 @@ class RobotDescription(Composition):
     """A robot file."""
 
     name: Name
+    """Of the robot; part of the names of its files of results."""
     description: str = ""
+    """For who reads the file or `pinograsp list`."""
     arm: ArmDescription
+    """The joints that carry the hand."""
     hand: HandDescription
+    """The synergies that move the hand."""
     pads: Annotated[tuple[PadDescription, ...], Field(min_length=2)]
+    """Surfaces of fingers that are to touch objects."""
     stiffness: StiffnessDescription
+    """Compliance of the hand's joints and of its contacts."""
     collision: CollisionDescription = CollisionDescription()
+    """How closely convex pieces follow the collision meshes."""
 
     @field_validator("pads", mode="before")
     @classmethod
@@ -94,20 +103,6 @@ class RobotDescription(Composition):
     def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
         _once([pad.name for pad in value], "name")
         return value
-
-
-def load_robot_description(name: str | Path) -> RobotDescription:
-    """Read a robot file, given by path, by folder or by the name of a shipped robot.
-
-    Raises:
-        InputError: the file, its URDF or its SRDF is missing, or a key or value is wrong.
-    """
-    file = locate.robot_file(name)
-    from .files import read_file  # YAML, which those of a result do not need
-
-    description = read_file(file, RobotDescription)
-    _ = description.files
-    return description
 
 
 def _once(names: Sequence[str], *path: str) -> None:

@@ -6,44 +6,27 @@ World frame as the scene's author chooses it; lengths in metres, angles in radia
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from .. import notebook
 from ..arrays import Array
 from ..disk import digest
 from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
-from . import locate
-from .hand import ContactModel
 from .model import FileRoot, Frozen
 from .pose import ZERO, Pose
-from .problems import INTERNAL, input_error
-from .regions import AllOf, Outside, Region
-from .shapes import Shape, ShapeDescription
-from .values import (
-    ABSENT,
-    FileName,
-    Format1,
-    Name,
-    NotNegative,
-    Number,
-    Positive,
-    Range,
-    Table,
-    UnitVector3,
-    Vector3,
-    empty,
-    listed,
-    unknown,
-    wrong,
-)
+from .problems import INTERNAL, refuse_internal
+from .scene_html import scene_html
+from .shapes import Shape
+from .task import Task
+from .values import ABSENT, FileName, Format1, Name, Positive, Table, Vector3, empty, wrong, wrong_name
+
+Part = TypeVar("Part", bound=Frozen)
 
 
 class Enclosure(Frozen):
@@ -76,6 +59,7 @@ class Body(Frozen):
     """A shape at a pose: an obstacle or an object."""
 
     shape: Shape
+    """In its own frame, m."""
     pose: Pose = Pose()
     """Of the shape's frame in the world, m and rad."""
 
@@ -95,150 +79,6 @@ class Object(Body):
         return np.asarray(frozen(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3]))
 
 
-class Wrench(Frozen):
-    """External wrench on the object: force, N, and torque about the centre of mass, N m, world frame."""
-
-    force: Vector3
-    """N, world."""
-    torque: Vector3 = ZERO
-    """About the centre of mass, N m, world."""
-
-    @cached_property
-    def vector(self) -> Array:
-        """The wrench as (force, torque), N and N m, shape (6,); read-only."""
-        return np.asarray(frozen(np.array([*self.force, *self.torque])))
-
-
-class ContactConstants(Frozen):
-    """Friction and force limits of the force problem, (17), (18) and appendix A."""
-
-    friction: Positive
-    """Static friction coefficient mu_s."""
-    min_normal_force: NotNegative = 0.001
-    """f_min, N."""
-    max_force: Positive = 5.0
-    """f_max on the norm of a contact force, N."""
-    kappa: Positive = 0.01
-    """Margin below which the barrier of (A6) becomes quadratic, N."""
-
-    @model_validator(mode="after")
-    def _ordered(self) -> ContactConstants:
-        if self.min_normal_force >= self.max_force:
-            raise wrong(f"must be below max_force, {self.max_force:g} N", "min_normal_force")
-        return self
-
-
-class Margins(Frozen):
-    """Least distances, m."""
-
-    enclosure: NotNegative = 0.005
-    """Robot to walls, obstacles and other objects (16), m."""
-    robot: NotNegative = 0.005
-    """Robot to itself, m."""
-    object: NotNegative = 0.001
-    """Links that are no pads, and what stands out beside a pad, to the object, m: only pads are to carry it."""
-
-
-class Reserves(Frozen):
-    """How far a grasp keeps from where joints and pads end."""
-
-    joint: NotNegative = 0.02
-    """Arm joints from their limits, rad (m)."""
-    rim: NotNegative = 0.0005
-    """Contact points from the rims of their pads and from the edges of the object's surface, m.
-
-    An object that a pad touches with its very rim tips over it: of such grasps up to half did not even hold still in
-    simulation, of those half a millimetre away all.
-    """
-
-
-class ApproachCone(Frozen):
-    """A cone of approach directions: the wrist's z axis lies within `angle` of `direction`."""
-
-    direction: UnitVector3
-    """Where the hand points, length 1: (0, 0, -1) is from above."""
-    angle: Annotated[Number, Field(gt=0.0, le=math.pi)]
-    """Half-angle of the cone, rad."""
-    frame: Literal["world", "object"] = "world"
-    """Frame of `direction`."""
-
-
-class JointInterval(NamedTuple):
-    """An interval in which an arm joint or a synergy is to be, rad (m)."""
-
-    key: Literal["joint_ranges", "lock"]
-    """Of the task, where it stands."""
-    name: str
-    lower: float
-    upper: float
-
-
-class Task(Frozen):
-    """A job for the hand: which object to hold, where, and against which wrench."""
-
-    object: Name
-    """Name of an object of the scene."""
-    desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
-    """Desired contact points on the object's surface, in the object's frame, m; one for each pad."""
-    pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
-    """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
-    wrench: Wrench
-    contact: ContactConstants
-    force_weight: NotNegative = 1.0
-    """k of (10), mm^2: weight of V against the squared contact distances."""
-    margin: Margins = Margins()
-    reserve: Reserves = Reserves()
-    contact_model: ContactModel | None = None
-    """Contact model of every pad, in place of what the robot file says."""
-    allowed_contacts: Region | None = None
-    """Part of the object's surface where contact is allowed, object's frame; everywhere if not given."""
-    forbidden_contacts: Region | None = None
-    """Part of the object's surface where contact is forbidden, object's frame."""
-    contact_regions: Literal["footprint", "point"] = "footprint"
-    """Part of a contact that has to be where contact may be: the footprint, or the contact point alone (the paper)."""
-    withstand: Positive | None = None
-    """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
-    approach: ApproachCone | None = None
-    """Approach directions that are wanted; every direction if not given."""
-    joint_ranges: Table[Name, Range] = Field(default_factory=empty)
-    """Ranges of arm joints and synergies within the robot's limits, rad (m); one of no width locks its joint.
-
-    Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.
-    """
-    lock: Table[Name, Number] = Field(default_factory=empty)
-    """Values at which arm joints and synergies stay, rad (m), within the robot's limits less the joint reserve.
-
-    Whole turns of a continuous joint do not count. A joint may have a range, too, which then has to hold the value.
-    """
-    balance_wrench: bool = True
-    """Whether the part of the wrench that no contact force balances must vanish (the paper: false)."""
-    start_radius: Positive = 0.3
-    """Starts have their wrist within this distance of the object's centre of mass, m."""
-
-    @field_validator("pads")
-    @classmethod
-    def _pads_once(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        for index, name in enumerate(value or ()):
-            if name in (value or ())[:index]:
-                raise wrong(f"{name!r} is given twice", index)
-        return value
-
-    @cached_property
-    def contact_region(self) -> Region | None:
-        """Where contact may be: allowed and not forbidden; None for everywhere."""
-        parts: list[Region] = [] if self.allowed_contacts is None else [self.allowed_contacts]
-        if self.forbidden_contacts is not None:
-            parts.append(Outside(part=self.forbidden_contacts))
-        return AllOf(parts=tuple(parts)) if len(parts) > 1 else parts[0] if parts else None
-
-    @cached_property
-    def intervals(self) -> tuple[JointInterval, ...]:
-        """All that the task asks of joints: the ranges, then the locks as intervals of no width, rad (m)."""
-        ranges = (JointInterval("joint_ranges", name, *ends) for name, ends in self.joint_ranges.items())
-        locks = (JointInterval("lock", name, value, value) for name, value in self.lock.items())
-        return (*ranges, *locks)
-
-
 class Scene(FileRoot):
     """Enclosure, obstacles, objects and tasks.
 
@@ -246,13 +86,17 @@ class Scene(FileRoot):
     """
 
     format: Format1 = 1
+    """Version of the file's format."""
     source: Path | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
     """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
     name: FileName
+    """Of the scene; part of the names of its files of results."""
     description: str = ""
+    """For who reads the file or `pinograsp list`."""
     enclosure: Enclosure
+    """The room that the robot must stay in, m, world."""
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
     obstacles: Table[Name, Body] = Field(default_factory=empty)
@@ -267,7 +111,7 @@ class Scene(FileRoot):
         for name, task in self.tasks.items():
             if task.object not in self.objects:
                 problem = f"no object {task.object!r} is defined"
-                raise unknown(problem, task.object, list(self.objects), "tasks", name, "object")
+                raise wrong_name(problem, task.object, list(self.objects), "tasks", name, "object")
         for name in self.obstacles:
             if name in self.objects:
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
@@ -282,19 +126,7 @@ class Scene(FileRoot):
 
     def _repr_html_(self) -> str:
         """Return the bodies and the tasks as tables, as a notebook shows them."""
-        low, high = (_in_brackets(corner) for corner in (self.enclosure.min, self.enclosure.max))
-        bodies = [
-            notebook.row((name, role, _shown(body.shape), _in_brackets(body.pose.position)))
-            for role, named in (("object", self.objects), ("obstacle", self.obstacles))
-            for name, body in named.items()
-        ]
-        tasks = [
-            notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
-            for name, task in self.tasks.items()
-        ]
-        caption = f"Scene {self.name}: enclosure from {low} to {high} m"
-        listed = notebook.table(caption, bodies, ("body", "role", "shape, m", "position, m"))
-        return listed + notebook.table("Tasks", tasks, ("task", "object", "external force, N", "friction"))
+        return scene_html(self)
 
     def __eq__(self, other: object) -> bool:
         """Whether another scene says the same."""
@@ -312,9 +144,7 @@ class Scene(FileRoot):
         """
         if not isinstance(data, Mapping):
             raise InputError(f"must be a mapping of keys, not {data!r}", key="data")
-        for reserved in INTERNAL:
-            if reserved in data:
-                raise InputError("unknown key", key=reserved, remedy="Remove it")
+        refuse_internal(data)
         return cls._made({"format": ABSENT, **data})
 
     def to_dict(self) -> dict[str, Any]:
@@ -327,8 +157,7 @@ class Scene(FileRoot):
         Raises:
             UnknownNameError: there is none of this name.
         """
-        self._require("task", name, self.tasks)
-        return self.tasks[name]
+        return self._named("task", name, self.tasks)
 
     def with_object_pose(self, name: str, pose: Pose | Array) -> Self:
         """Return the scene with an object at another pose.
@@ -341,9 +170,8 @@ class Scene(FileRoot):
             UnknownNameError: there is no object of this name.
             InputError: the array is no pose.
         """
-        self._require("object", name, self.objects)
-        there = pose if isinstance(pose, Pose) else Pose.of(pose)
-        return self._with("objects", name, {**self.objects[name].fields(), "pose": there})
+        there = {"pose": pose if isinstance(pose, Pose) else Pose.of(pose)}
+        return self._with("objects", name, self._named("object", name, self.objects).model_copy(update=there))
 
     def with_object(self, name: str, object: Object) -> Self:
         """Return the scene with an object more, or with another one of a name.
@@ -387,59 +215,30 @@ class Scene(FileRoot):
             require_kind("task", task, Task)
         return self._with("tasks", name, {**task.fields(), **changes} if changes else task)
 
-    def changed(self, **fields: Any) -> Self:
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return the scene with some fields replaced, validated as a file is.
+
+        Args:
+            update: values by field.
+            deep: makes no difference: nothing of a scene can be changed.
 
         Raises:
             InputError: a field is unknown, or a value is wrong; the message names the key.
         """
-        content = {name: value for name, value in self.fields().items() if name not in INTERNAL}
-        return self._made({**content, **fields})
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy; with some fields changed as `changed` returns it."""
-        return self.changed(**update) if update else super().model_copy(deep=deep)
+        refuse_internal(update or {})
+        return super().model_copy(update={**update, "source": None, "digest": ""} if update else None, deep=deep)
 
     def bodies_besides(self, task: Task) -> dict[str, Body]:
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
 
+    def _named(self, what: str, name: str, table: Mapping[str, Part]) -> Part:
+        if not isinstance(name, str) or name not in table:
+            problem, remedy = f"no {what} {name!r} in this scene", close_names(name, table)
+            raise UnknownNameError(problem, file=self.source, key=f"{what}s", remedy=remedy)
+        return table[name]
+
     def _with(self, table: str, name: str, part: object) -> Self:
         require_kind("name", name, str)
-        return self.changed(**{table: {**getattr(self, table), name: part}})
-
-    @classmethod
-    def _made(cls, content: Mapping[str, Any]) -> Self:
-        try:
-            return cls.model_validate(content)
-        except ValidationError as error:
-            raise input_error(error, cls, content) from None
-
-    def _require(self, what: str, name: str, known: Mapping[str, Any]) -> None:
-        if not isinstance(name, str) or name not in known:
-            remedy = close_names(name, known)
-            raise UnknownNameError(f"no {what} {name!r} in this scene", file=self.source, key=f"{what}s", remedy=remedy)
-
-
-def load_scene(name: str | Path) -> Scene:
-    """Read a scene file, given by path or by the name of a shipped scene.
-
-    Raises:
-        FileError: the file is missing, cannot be read or is not YAML.
-        InputError: a key or value is wrong; the message names file, line and key.
-    """
-    file = locate.scene_file(name)
-    from .files import read_file  # YAML, which those of a result do not need
-
-    return read_file(file, Scene)
-
-
-def _in_brackets(numbers: Iterable[float]) -> str:
-    return "(" + ", ".join(f"{number:g}" for number in numbers) + ")"
-
-
-def _shown(shape: ShapeDescription) -> str:
-    sizes = shape.model_dump(exclude={"type"}).items()
-    shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
-    return ", ".join([shape.type, *shown])
+        return self.model_copy(update={table: {**getattr(self, table), name: part}})

@@ -25,7 +25,7 @@ def wrong(problem: str, *path: str | int, remedy: str | None = None) -> Pydantic
     return PydanticCustomError("wrong", "{problem}", {"problem": problem, "path": path, "remedy": remedy})
 
 
-def unknown(problem: str, name: str, known: list[str], *path: str | int) -> PydanticCustomError:
+def wrong_name(problem: str, name: str, known: list[str], *path: str | int) -> PydanticCustomError:
     """Return what a validator raises where a name is none of those known; the remedy lists close ones."""
     context = {"problem": problem, "path": path, "remedy": close_names(name, known)}
     return PydanticCustomError("unknown_name", "{problem}", context)

@@ -13,7 +13,7 @@ from ..arrays import Array
 from ..collision.allowed_pairs import allowed_pairs, always_near, pairs_apart
 from ..collision.solids import distance_request
 from ..collision.world import Body, BodyKey
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.forward import forward
 from ..kinematics.robot import Robot

@@ -17,7 +17,7 @@ class Finding(Record):
     level: Level
     """wrong: no grasp can come of it; doubtful: most likely not meant so."""
     what: str
-    """The finding, in words."""
+    """The finding in words, with numbers and their units."""
     remedy: str = ""
     """Words on how to mend it; empty where nothing is to be done."""
 

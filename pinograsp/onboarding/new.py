@@ -25,6 +25,7 @@ class HandMount:
     """A hand with a URDF of its own, and where it sits."""
 
     urdf: str | Path
+    """Path or `package://` address of its URDF."""
     to: str | None = None
     """Link of the arm; its last one if not given."""
     root: str | None = None
@@ -34,6 +35,7 @@ class HandMount:
     rpy: Vector3 = ZERO
     """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
+    """Put before every name of its links and joints."""
 
 
 def new_robot_file(

@@ -19,7 +19,7 @@ from ..database.identity import Identity
 from ..database.store import Database, identity_of, require_identity
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
-from ..descriptions.scene import Margins
+from ..descriptions.task import Margins
 from ..errors import InputError, real_number, require_kind, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
-from ..descriptions.scene import JointInterval
+from ..descriptions.task import JointInterval
 from ..errors import TaskError, UnknownNameError, close_names
 from ..geometry.cone import Cone
 from ..geometry.patches import inside_rim

@@ -32,11 +32,15 @@ class Criterion:
     """One number of a grasp, in `unit`, and which of two is better."""
 
     name: str
+    """By which grasps are ranked: `result.ranked(name)`."""
     meaning: str
+    """A few words for tables and help."""
     figures: tuple[str, ...]
     """Figures of the certificate, or U; the worst of those that a grasp has is its value."""
     better: Literal["least", "most"]
+    """Which of two numbers is the better one."""
     unit: str
+    """Of its numbers: SI, rad; empty for a pure number."""
     resolution: float = 0.0
     """Score and Pareto front take values as equal that are the same when rounded to its multiples; 0: exact."""
     scored: bool = False

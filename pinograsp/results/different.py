@@ -35,6 +35,7 @@ class Different(NamedTuple):
     """A grasp that differs from the others that are shown."""
 
     grasp: Grasp
+    """The best of those that it stands for."""
     starts: int
     """Number of starts that found it or a grasp behind it."""
     grasp_count: int

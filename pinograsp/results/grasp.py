@@ -74,6 +74,7 @@ class Grasp(Record):
     q_r: Mapping[str, float]
     """Reference angles of the hand joints by name that squeeze with these forces, rad (m)."""
     cost: Cost
+    """U and its parts; `phi_mm2` in mm^2."""
     contacts: tuple[Contact, ...]
     """One for each pad of the task, in the order of its pads."""
     certificate: Certificate

@@ -22,6 +22,7 @@ class Figure(Record):
     also_in_json = ("holds",)
 
     name: str
+    """Of the quantity, such as "joint reserve"."""
     value: float
     """In `unit`; nan or infinite where it could not be computed."""
     limit: float
@@ -66,6 +67,7 @@ class Certificate(Record, Mapping[str, Figure]):
     also_in_json = ("verified",)
 
     figures: tuple[Figure, ...]
+    """All that was recomputed; all of them hold if the grasp is verified."""
 
     @property
     def verified(self) -> bool:

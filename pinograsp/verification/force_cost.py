@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from ..arrays import Array
 from ..descriptions.hand import PadDescription
-from ..descriptions.scene import Task
+from ..descriptions.task import Task
 from .claim import Claim
 from .forces import spin_force
 

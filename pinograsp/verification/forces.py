@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.hand import PadDescription, SoftFinger
-from ..descriptions.scene import Task
+from ..descriptions.task import Task
 from .certificate import Figure
 from .claim import Claim
 

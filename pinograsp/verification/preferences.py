@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.scene import ApproachCone, JointInterval
+from ..descriptions.task import ApproachCone, JointInterval
 from .certificate import Figure
 
 TOLERANCE = 1e-9

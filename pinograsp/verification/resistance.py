@@ -36,7 +36,8 @@ import numpy as np
 
 from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
-from ..descriptions.scene import Object, Task
+from ..descriptions.scene import Object
+from ..descriptions.task import Task
 from .balance import BalanceProblem, ContactPoints, Limits
 from .certificate import Certificate, Figure
 from .claim import Claim

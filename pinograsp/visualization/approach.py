@@ -6,7 +6,8 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..descriptions.scene import ApproachCone, Object
+from ..descriptions.scene import Object
+from ..descriptions.task import ApproachCone
 from . import colors
 from .symbols import Look, Piece, between, draw
 from .viewer import Visualizer, geometry
