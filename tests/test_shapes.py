@@ -35,6 +35,9 @@ EXAMPLES: dict[type, ShapeDescription] = {
     Sphere: Sphere(type="sphere", radius=0.04),
     Box: Box(type="box", size=(0.05, 0.08, 0.03)),
     Cylinder: Cylinder(type="cylinder", radius=0.03, height=0.1),
+    Capsule: Capsule(radius=0.02, length=0.05),
+    Cone: Cone(bottom_radius=0.035, top_radius=0.02, height=0.08),
+    Ellipsoid: Ellipsoid(semi_axes=(0.03, 0.04, 0.05)),
 }
 
 

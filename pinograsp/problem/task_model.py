@@ -82,7 +82,8 @@ class TaskModel:
         face = self.surface.contact_face((point - origin) @ R)
         match face:
             case Ruling():
-                return replace(face, direction=R @ face.direction)
+                bend = None if face.bend is None else R @ face.bend @ R.T
+                return replace(face, direction=R @ face.direction, bend=bend)
             case Flat():
                 return Flat(face.corners @ R.T + origin, R @ face.normal)
         return face
