@@ -1,9 +1,9 @@
 """An ellipsoid: the exact distance from its nearest point, with the curvatures there.
 
 With the semi-axes a_k, the point q of the surface that is nearest to p has q_k = a_k^2 p_k / (t + a_k^2), where t is
-the largest root of F(t) = sum_k (a_k p_k / (t + a_k^2))^2 - 1. F falls and is convex right of -min a_k^2, so that Newton's
-method goes up to the root from where F is positive. On the surface, with g_k = q_k / a_k^2 and n = g / |g|, the shape
-operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the distance d the Hessian is (I + d S)^-1 S.
+the largest root of F(t) = sum_k (a_k p_k / (t + a_k^2))^2 - 1. F falls and is convex right of -min a_k^2, so that
+Newton's method goes up to the root from where F is positive. On the surface, with g_k = q_k / a_k^2 and n = g / |g|,
+the shape operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the distance d the Hessian is (I + d S)^-1 S.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from ...descriptions.shapes import Ellipsoid
 from ..contact_faces import ContactFace, Spot
 from ..tessellation import Tessellation, tessellation_of
 
-SUBDIVISIONS = 4
-"""Halvings of an icosahedron's triangles for a tessellation: 5120 triangles."""
+SUBDIVISIONS = 3
+"""Halvings of an icosahedron's triangles for a tessellation: 1280 triangles."""
 _TINY = 1e-9
 """Points count as this much off the planes of symmetry, in parts of a semi-axis: inside, two points may be nearest."""
 _STEPS = 60
