@@ -34,17 +34,21 @@ class ConeSurface:
         return frustum_distance(points, self._bottom, self._top, self._half)
 
     def contact_face(self, point: Array) -> ContactFace:
-        """Return the straight line up the side, or the end, whichever is nearer; an end as a polygon around it."""
+        """Return the straight line up the side, or the end, whichever is nearer; an end as a polygon around it.
+
+        A tip is an end of the lines.
+        """
         x, y, z = point
         rho, rise, spread = math.hypot(x, y), 2.0 * self._half / self._slant, (self._top - self._bottom) / self._slant
         beside = (rho - self._bottom) * rise - (z + self._half) * spread
-        if beside >= abs(z) - self._half and rho > 0.0:
+        radius, height = (self._top, self._half) if z >= 0.0 else (self._bottom, -self._half)
+        if rho > 0.0 and (beside >= abs(z) - self._half or radius == 0.0):
             radial, tangent = np.array([x, y, 0.0]) / rho, np.array([-y, x, 0.0]) / rho
             along = (z + self._half) * rise + (rho - self._bottom) * spread
             direction = spread * radial + np.array([0.0, 0.0, rise])
             bend = spread / rho * np.outer(tangent, tangent)
             return Ruling(direction, -along, self._slant - along, bend=bend)
-        return cap(self._top, self._half) if z >= 0.0 else cap(self._bottom, -self._half)
+        return cap(radius, height)
 
     def extent(self, direction: Array) -> float:
         """Return the larger of what both ends reach."""
