@@ -10,7 +10,6 @@ from ..cost import Cost
 from ..state import State
 from ..task_model import TaskModel
 
-
 FACING = 60.0
 """Weight in the projection of pads that look at the face of their desired point, per radian: above pad tangency's."""
 
@@ -22,7 +21,7 @@ class DesiredContacts(Cost, Projected):
     descents: Descents = "targets"
 
     def __init__(self, model: TaskModel) -> None:
-        self._on_faces = bool(model.desired_normals.any())
+        self._on_faces = bool(np.any(model.desired_normals))
 
     def offsets(self, state: State) -> Residual:
         """Return c_i - c_desired_i, m, shape (3 n,)."""
@@ -35,7 +34,7 @@ class DesiredContacts(Cost, Projected):
 
     def facings(self, state: State) -> Residual:
         """Return n_pad + n of the flat face that the pad's desired point is on, dimensionless, shape (3 n,)."""
-        flat = state.desired_normals.any(axis=1)
+        flat = np.any(state.desired_normals, axis=1)
         values = np.where(flat[:, None], state.contacts.normals + state.desired_normals, 0.0)
         jacobian = np.where(flat[:, None, None], state.contacts.d_normals, 0.0)
         return Residual(values.ravel(), jacobian.reshape(values.size, -1))
