@@ -26,6 +26,7 @@ from .descriptions.regions import Ball as Ball
 from .descriptions.regions import Band as Band
 from .descriptions.regions import Cuboid as Cuboid
 from .descriptions.regions import HalfSpace as HalfSpace
+from .descriptions.regions import Near as Near
 from .descriptions.regions import Outside as Outside
 from .descriptions.regions import Sector as Sector
 from .descriptions.robot import RobotDescription as RobotDescription
@@ -35,7 +36,10 @@ from .descriptions.scene import Object as Object
 from .descriptions.scene import Scene as Scene
 from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box
+from .descriptions.shapes import Capsule as Capsule
+from .descriptions.shapes import Cone as Cone
 from .descriptions.shapes import Cylinder as Cylinder
+from .descriptions.shapes import Ellipsoid as Ellipsoid
 from .descriptions.shapes import Sphere as Sphere
 from .descriptions.task import ApproachCone as ApproachCone
 from .descriptions.task import ContactConstants as ContactConstants
@@ -52,7 +56,7 @@ from .errors import PinograspError as PinograspError
 from .errors import TaskError as TaskError
 from .errors import UnknownNameError as UnknownNameError
 from .errors import WorkerLostError as WorkerLostError
-from .geometry.cone import Cone as Cone
+from .geometry.cone import DirectionCone as DirectionCone
 from .hold.film import write_film as write_film
 from .hold.options import HoldOptions as HoldOptions
 from .hold.outcome import FirstSlip as FirstSlip

@@ -11,9 +11,9 @@ import pytest
 
 import pinograsp
 from pinograsp import (
-    Cone,
     Coverage,
     Database,
+    DirectionCone,
     Errors,
     HoldOptions,
     InputError,
@@ -68,11 +68,11 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: Errors(orientation=4.0), "orientation", ["must be at most 3.14159 rad, not 4"]),
     (lambda: Errors(joint=True), "joint", ["must be a number, not True"]),
     (lambda: Errors(weight=(0.9, NAN)), "weight", ["finite"]),
-    (lambda: Cone("x", 1.0), "axis", ["numbers of shape (3,)"]),  # type: ignore[arg-type]
-    (lambda: Cone(np.zeros(3), 1.0), "axis", ["no direction"]),
-    (lambda: Cone(np.ones(2), 1.0), "axis", ["shape (2,), not (3,)"]),
-    (lambda: Cone(np.array([0.0, 0.0, NAN]), 1.0), "axis", ["not finite"]),
-    (lambda: Cone(np.ones(3), 4.0), "half_angle", ["at most 3.14"]),
+    (lambda: DirectionCone("x", 1.0), "axis", ["numbers of shape (3,)"]),  # type: ignore[arg-type]
+    (lambda: DirectionCone(np.zeros(3), 1.0), "axis", ["no direction"]),
+    (lambda: DirectionCone(np.ones(2), 1.0), "axis", ["shape (2,), not (3,)"]),
+    (lambda: DirectionCone(np.array([0.0, 0.0, NAN]), 1.0), "axis", ["not finite"]),
+    (lambda: DirectionCone(np.ones(3), 4.0), "half_angle", ["at most 3.14"]),
     (lambda: read_json(3), "file", ["must be of class Path or str, not 3"]),  # type: ignore[arg-type]
     (lambda: Database.open(None), "file", ["must be of class Path or str"]),  # type: ignore[arg-type]
     (lambda: assess(3), "grasp", ["must be of class Grasp, not 3"]),  # type: ignore[arg-type]
@@ -150,7 +150,7 @@ QUERIES: list[tuple[dict[str, Any], str, list[str]]] = [
     ({"extent": -1.0}, "extent", ["at least 0"]),
     ({"extent": [1.0, 1.0]}, "extent", ["shape (2,), not (3,)"]),
     ({"extent": "x"}, "extent", ["numbers"]),
-    ({"cone": 3}, "cone", ["must be of class Cone"]),
+    ({"cone": 3}, "cone", ["must be of class DirectionCone"]),
     ({"joints": {"sholder": [(0.0, 1.0)]}}, "joints", ["there is no arm joint 'sholder'. Did you mean shoulder?"]),
 ]
 

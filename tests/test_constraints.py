@@ -83,8 +83,25 @@ def line_task(gen3: Robot, can_scene: Scene) -> TaskModel:
     return TaskModel(gen3, changed(can_scene, "tasks", "can", **keys), "can")
 
 
+@pytest.fixture(scope="module")
+def cone_task(gen3: Robot, can_scene: Scene) -> TaskModel:
+    """Flat pads along a cone, whose lines turn as a contact moves around it, in a band; contacts keep off the rims."""
+    shape = {"type": "cone", "bottom_radius": 0.042, "top_radius": 0.034, "height": 0.118}
+    points = ((0.0, 0.038, 0.0), (0.0, -0.038, 0.0))
+    keys = {"allowed_contacts": {"type": "band", "z": (-0.02, 0.05)}, "reserve": {"rim": 0.002}}
+    scene = changed(can_scene, "objects", "can", shape=shape)
+    return TaskModel(gen3, changed(scene, "tasks", "can", desired_contacts=points, **keys), "can")
+
+
+@pytest.fixture(scope="module")
+def ellipsoid_task(gen3: Robot, glovebox: Scene) -> TaskModel:
+    scene = changed(glovebox, "objects", shape={"type": "ellipsoid", "semi_axes": (0.03, 0.0373, 0.035)})
+    return TaskModel(gen3, scene, "sphere")
+
+
 TASKS = {"sphere_task": 3, "soft_task": 3, "toy_task": 3, "box_task": 3}  # seeds of each
 TASKS |= {"paper_task": 1, "curved_task": 2, "mixed_task": 3, "limited_task": 3, "line_task": 2}
+TASKS |= {"cone_task": 2, "ellipsoid_task": 1}
 WHERE = ["random", "near"]
 
 

@@ -35,7 +35,7 @@ from pinograsp.database.store import Database, interruptible
 from pinograsp.descriptions.scene import Enclosure
 from pinograsp.descriptions.task import Margins
 from pinograsp.errors import InputError
-from pinograsp.geometry.cone import Cone
+from pinograsp.geometry.cone import DirectionCone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
 from pinograsp.progress import Progress
@@ -174,9 +174,11 @@ def test_rows_lie_along_the_curve(small: Path) -> None:
 
 
 @pytest.mark.parametrize("extent", [0.25, np.array([0.2, 0.1, 0.3])], ids=["ball", "box"])
-@pytest.mark.parametrize("cone", [None, Cone(np.array([0.0, 0.0, -2.0]), 0.8)], ids=["all", "cone"])
+@pytest.mark.parametrize("cone", [None, DirectionCone(np.array([0.0, 0.0, -2.0]), 0.8)], ids=["all", "cone"])
 @pytest.mark.parametrize("joints", [{}, {"joint_2": [(-1.0, 1.2)], "joint_7": [(-4.0, -1.0), (0.0, 2.5)]}], ids=len)
-def test_region_is_what_a_filter_of_all_rows_gives(small: Path, extent: Any, cone: Cone | None, joints: Any) -> None:
+def test_region_is_what_a_filter_of_all_rows_gives(
+    small: Path, extent: Any, cone: DirectionCone | None, joints: Any
+) -> None:
     center, rows = np.array([0.6, 0.0, 0.0]), everything(small)
     apart = np.column_stack([rows[name] for name in "xyz"]).astype(float) - center
     inside = (np.abs(apart) <= extent).all(axis=1) if np.ndim(extent) else np.linalg.norm(apart, axis=1) <= extent

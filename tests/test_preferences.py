@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 from conftest import TOY_ROBOT, TOY_SCENE, Array, RobotFactory, SceneFactory
 
-from pinograsp import Cone, InputError, Result, Robot, SolverOptions, plan
+from pinograsp import DirectionCone, InputError, Result, Robot, SolverOptions, plan
 from pinograsp.database.build import build_database
 from pinograsp.database.store import Database
 from pinograsp.descriptions import Scene
@@ -132,7 +132,7 @@ def test_membership_is_rad_like(gen3: Robot, glovebox: Scene, angle: float) -> N
     z = wrist(problem, x)
 
     def value(off: float) -> float:
-        approach = Approach(Cone(2.0 * np.array(tilted(z, off)), angle), "wrist")
+        approach = Approach(DirectionCone(2.0 * np.array(tilted(z, off)), angle), "wrist")
         state = problem.state(x)
         assert approach.angle(state) == pytest.approx(min(off, 2 * math.pi - off), abs=1e-7)
         return float(approach.inside(state).values[0])

@@ -45,6 +45,11 @@ LEAVES = st.one_of(
         lambda m, w: {"type": "sector", "middle": m, "half_width": w}, st.floats(-6, 6), st.floats(0.1, math.pi - 0.1)
     ),
     st.builds(lambda *c, r: {"type": "ball", "center": c, "radius": r}, *[FINITE] * 3, r=st.floats(0.01, 0.05)),
+    st.builds(
+        lambda points, r: {"type": "near", "points": points, "radius": r},
+        st.lists(st.tuples(*[FINITE] * 3), min_size=1, max_size=3),
+        r=st.floats(0.01, 0.05),
+    ),
     st.builds(lambda *c: {"type": "box", "min": [v - 0.02 for v in c], "max": [v + 0.02 for v in c]}, *[FINITE] * 3),
 )
 REGIONS = st.recursive(
@@ -92,6 +97,7 @@ def test_gradient_of_membership(region: dict[str, Any], point: Any) -> None:
         ({"type": "sector", "middle": 3.1, "half_width": 0.2}, (-1.0, -0.1, 0.0), (-1.0, -0.3, 0.0)),
         ({"type": "sector", "middle": 0.0, "half_width": 3.0}, (-1.0, 0.2, 0.0), (-1.0, 0.01, 0.0)),
         ({"type": "ball", "center": [1, 0, 0], "radius": 0.5}, (1.4, 0.0, 0.0), (0.4, 0.0, 0.0)),
+        ({"type": "near", "points": [[1, 0, 0], [-1, 0, 0]], "radius": 0.5}, (-1.4, 0.0, 0.0), (0.4, 0.0, 0.0)),
         ({"type": "box", "min": [0, 0, 0], "max": [1, 2, 3]}, (0.9, 1.9, 2.9), (0.9, 2.1, 2.9)),
         (
             {"type": "outside", "part": {"type": "all_of", "parts": [{"type": "band", "z": [0, 1]}]}},
@@ -114,6 +120,7 @@ def test_known_points(region: dict[str, Any], inside: Any, outside: Any) -> None
         {"type": "half_space", "normal": [0, 0, 2], "offset": 0},
         {"type": "sector", "middle": 0, "half_width": 4},
         {"type": "ball", "center": [0, 0, 0], "radius": 0},
+        {"type": "near", "points": [], "radius": 0.1},
         {"type": "all_of", "parts": []},
         {"type": "ring"},
     ],

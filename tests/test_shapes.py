@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
@@ -10,20 +9,29 @@ from typing import Any, Literal
 import coal
 import numpy as np
 import pytest
-import trimesh
 from numpy.typing import NDArray
 
 import pinograsp
 from pinograsp.collision.solids import distance_request, scene_body
 from pinograsp.descriptions import schema
 from pinograsp.descriptions.scene import Body
-from pinograsp.descriptions.shapes import SHAPES, Box, Cylinder, ShapeDescription, Sphere
+from pinograsp.descriptions.shapes import (
+    SHAPES,
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    ShapeDescription,
+    Sphere,
+)
 from pinograsp.descriptions.values import Positive
-from pinograsp.geometry.contact_faces import ContactFace, Ruling, Spot
+from pinograsp.geometry.contact_faces import Ruling
 from pinograsp.geometry.shapes import SURFACES, surface_of
-from pinograsp.geometry.tessellation import Tessellation, refined, tessellation_of
+from pinograsp.geometry.shapes.sphere import SphereSurface
+from pinograsp.geometry.tessellation import Tessellation, refined
 from pinograsp.kinematics.robot import Robot
-from pinograsp.verification.shapes import GEOMETRY, Core, PlacedShape
+from pinograsp.verification.shapes import GEOMETRY, PENETRATION, PlacedShape, SphereGeometry
 from pinograsp.visualization import write_html
 from pinograsp.visualization.scene import draw_scene
 from pinograsp.visualization.surfaces import surface_mesh
@@ -35,99 +43,50 @@ EXAMPLES: dict[type, ShapeDescription] = {
     Sphere: Sphere(type="sphere", radius=0.04),
     Box: Box(type="box", size=(0.05, 0.08, 0.03)),
     Cylinder: Cylinder(type="cylinder", radius=0.03, height=0.1),
+    Capsule: Capsule(radius=0.02, length=0.05),
+    Cone: Cone(bottom_radius=0.035, top_radius=0.02, height=0.08),
+    Ellipsoid: Ellipsoid(semi_axes=(0.03, 0.04, 0.05)),
 }
+FURTHER = (Cone(bottom_radius=0.0, top_radius=0.03, height=0.06), Cone(bottom_radius=0.04, top_radius=0.0, height=0.05))
+"""Kinds of them with tips."""
 
 
 # ---- a shape that the package does not have
 
 
-class Capsule(ShapeDescription):
-    """A ball swept along the z axis, centred at the origin."""
+class Bead(ShapeDescription):
+    """A ball around the origin."""
 
-    type: Literal["capsule"]
-    radius: Positive
-    height: Positive
-    """Between the centres of the end balls."""
+    type: Literal["bead"]
+    diameter: Positive
 
 
-class CapsuleSurface:
-    """Distance to the axis less the radius."""
+class BeadSurface(SphereSurface):
+    """That of a ball of half the diameter."""
 
-    def __init__(self, shape: Capsule) -> None:
-        self._radius, self._half = shape.radius, 0.5 * shape.height
-        self.least_width = 2.0 * shape.radius
-        self.radius = self._half + self._radius
-
-    def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
-        apart = points.copy()
-        apart[:, 2] -= np.clip(points[:, 2], -self._half, self._half)
-        length = np.linalg.norm(apart, axis=1)
-        apart[length == 0.0] = [1.0, 0.0, 0.0]
-        norm = np.where(length > 0.0, length, 1.0)
-        normals = apart / norm[:, None]
-        curved = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-        curved[np.abs(points[:, 2]) < self._half, 2, 2] = 0.0
-        return length - self._radius, normals, curved / norm[:, None, None]
-
-    def contact_face(self, point: Array) -> ContactFace:
-        beyond = abs(point[2]) > self._half
-        return Spot() if beyond else Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2])
-
-    def extent(self, direction: Array) -> float:
-        return float(self._radius * np.linalg.norm(direction) + self._half * abs(direction[2]))
-
-    def solids(self) -> tuple[Any, ...]:
-        return (coal.Capsule(self._radius, 2.0 * self._half),)
-
-    def tessellation(self) -> Tessellation:
-        return tessellation_of(trimesh.creation.capsule(2.0 * self._half, self._radius, count=[24, 24]))
+    def __init__(self, shape: Bead) -> None:
+        super().__init__(Sphere(radius=0.5 * shape.diameter))
 
 
-class CapsuleGeometry:
-    """Two end balls and a rod between them."""
+class BeadGeometry(SphereGeometry):
+    """That of a ball of half the diameter."""
 
-    def __init__(self, shape: Capsule) -> None:
-        self._radius, self._top = shape.radius, np.array([0.0, 0.0, shape.height / 2])
-        core = 1e-3 * shape.radius
-        self.cores: tuple[Core, ...] = (Core(coal.Capsule(core, shape.height), shape.radius - core),)
-
-    def _from_axis(self, point: Array) -> Array:
-        share = np.clip(point @ self._top / (self._top @ self._top), -1.0, 1.0)
-        return np.asarray(point - share * self._top)
-
-    def distance(self, point: Array) -> float:
-        return float(np.linalg.norm(self._from_axis(point))) - self._radius
-
-    def inward(self, point: Array) -> Array:
-        apart = self._from_axis(point)
-        return np.asarray(-apart / np.linalg.norm(apart))
-
-    def face(self, point: Array) -> Array:
-        apart = self._from_axis(point)
-        on_surface = self._radius / np.linalg.norm(apart) * apart
-        if abs(point[2]) > self._top[2]:
-            return np.asarray(point - apart + on_surface)[None]
-        return np.array([on_surface - self._top, on_surface + self._top])
-
-    def edge(self, point: Array) -> float:
-        return math.inf
-
-    def radius_about(self, point: Array) -> float:
-        return self._radius + float(max(np.linalg.norm(point - end) for end in (self._top, -self._top)))
+    def __init__(self, shape: Bead) -> None:
+        super().__init__(Sphere(radius=0.5 * shape.diameter))
 
 
-CAPSULE = Capsule(type="capsule", radius=0.0373, height=0.04)
+BEAD = Bead(type="bead", diameter=0.0746)
 
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    """The capsule is a shape like any other during a test."""
+    """The bead is a shape like any other during a test."""
     with pytest.MonkeyPatch.context() as patch:
-        SHAPES.add(Capsule)
-        patch.setitem(SURFACES, Capsule, CapsuleSurface)
-        patch.setitem(GEOMETRY, Capsule, CapsuleGeometry)
+        SHAPES.add(Bead)
+        patch.setitem(SURFACES, Bead, BeadSurface)
+        patch.setitem(GEOMETRY, Bead, BeadGeometry)
         yield
-    SHAPES.remove(Capsule)
+    SHAPES.remove(Bead)
 
 
 # ---- every shape
@@ -138,7 +97,7 @@ def test_every_described_shape_has_its_geometry_twice() -> None:
     assert set(SHAPES) == set(EXAMPLES)
 
 
-every_shape = pytest.mark.parametrize("shape", [*EXAMPLES.values(), CAPSULE], ids=lambda shape: shape.type)
+every_shape = pytest.mark.parametrize("shape", [*EXAMPLES.values(), *FURTHER, BEAD], ids=lambda shape: shape.type)
 """The described shapes and the one of this file, which is registered meanwhile."""
 
 
@@ -178,7 +137,8 @@ def test_solids_are_the_shape(shape: ShapeDescription, registered: None) -> None
             coal.distance(solid.shape, T, probe, at, request, coal.DistanceResult())
             for solid, T in zip(body.solids, here, strict=True)
         ]
-        assert min(apart) + 1e-3 == pytest.approx(distance, abs=1e-8)
+        assert min(apart) + 1e-3 == pytest.approx(distance, abs=1e-5 if isinstance(shape, Cone) else 1e-8)
+        assert min(apart) + 1e-3 < distance + 1e-8  # all of the shape is in its solids
 
 
 @every_shape
@@ -197,11 +157,16 @@ def test_the_verification_sees_the_same_shape(shape: ShapeDescription, registere
 @every_shape
 def test_cores_are_the_shape_less_their_inset(shape: ShapeDescription, registered: None) -> None:
     surface = surface_of(shape)
-    far = 10.0 * surface.radius * np.array([0.0, 0.0, 1.0])
-    ball, at = coal.Sphere(1e-3), coal.Transform3s(np.eye(3), far)
+    middle = surface.tessellation().corners.mean(axis=1)[::5]
+    depths, normals, _ = surface.signed_distance(middle)
+    ball = coal.Sphere(1e-3)
     for core in PlacedShape("it", Body(shape=shape)).cores:
-        apart = coal.distance(core.solid, coal.Transform3s(), ball, at, coal.DistanceRequest(), coal.DistanceResult())
-        assert apart + 1e-3 - core.inset == pytest.approx(far[2] - surface.extent(far / far[2]), abs=1e-6)
+        for point, normal, depth in zip(middle, normals, depths, strict=True):
+            at = coal.Transform3s(np.eye(3), point + (0.1 - depth) * normal)
+            apart = coal.distance(
+                core.solid, coal.Transform3s(), ball, at, coal.DistanceRequest(), coal.DistanceResult()
+            )
+            assert apart + 1e-3 - core.inset == pytest.approx(0.1, abs=0.3 * PENETRATION)
 
 
 @every_shape
@@ -263,6 +228,39 @@ def mesh_bytes(mesh: Any) -> int:
     return sum(len(part["array"].data) for part in (*data["attributes"].values(), data["index"]))
 
 
+@every_shape
+def test_gradient_and_hessian_are_those_of_the_distance(shape: ShapeDescription, registered: None) -> None:
+    surface, step = surface_of(shape), 1e-6
+    points = scattered(surface.radius)
+    distances, normals, hessians = surface.signed_distance(points)
+    moved = [[surface.signed_distance(points + sign * step * axis) for sign in (1.0, -1.0)] for axis in np.eye(3)]
+    slopes = np.stack([(up[0] - down[0]) / (2 * step) for up, down in moved], axis=1)
+    bends = np.stack([(up[1] - down[1]) / (2 * step) for up, down in moved], axis=2)
+    # Off the places where another side, or another end of the shape, becomes the nearest one.
+    smooth = (distances > -0.1 * surface.least_width) & (np.abs(bends).max(axis=(1, 2)) < 1e3)
+    assert smooth.sum() > 200
+    np.testing.assert_allclose(normals[smooth], slopes[smooth], atol=1e-6)
+    np.testing.assert_allclose(hessians[smooth], bends[smooth], atol=1e-2)
+
+
+@every_shape
+def test_lines_up_a_side_turn_as_they_say(shape: ShapeDescription, registered: None) -> None:
+    surface, step = surface_of(shape), 1e-6
+    middle = surface.tessellation().corners.mean(axis=1)[::7]
+    depths, normals, _ = surface.signed_distance(middle)
+    for point in middle - depths[:, None] * normals:
+        face = surface.contact_face(point)
+        if not isinstance(face, Ruling):
+            continue
+        ends = [surface.signed_distance((point + at * face.direction)[None])[0][0] for at in (face.low, face.high)]
+        np.testing.assert_allclose(ends, 0.0, atol=1e-12)
+        moved = [[surface.contact_face(point + sign * step * axis) for sign in (1.0, -1.0)] for axis in np.eye(3)]
+        if any(not isinstance(there, Ruling) for pair in moved for there in pair):
+            continue
+        bend = np.stack([(up.direction - down.direction) / (2 * step) for up, down in moved], axis=1)
+        np.testing.assert_allclose(np.zeros((3, 3)) if face.bend is None else face.bend, bend, rtol=1e-5, atol=1e-4)
+
+
 # ---- the registry
 
 
@@ -278,21 +276,21 @@ def test_two_shapes_of_one_name_are_refused() -> None:
 
 SCENE = """
 format: 1
-name: capsules
+name: beads
 enclosure:
   min: [0.0, -0.42, -0.237]
   max: [1.10, 0.42, 0.363]
 mounting: {position: [0.0, 0.0, 0.0], rpy: [0.0, 1.5707963267948966, 0.0]}
 objects:
-  beam:
-    shape: {type: capsule, radius: 0.02, height: 0.3}
+  other:
+    shape: {type: bead, diameter: 0.04}
     pose: {position: [1.05, 0.35, 0.0]}
-  capsule:
-    shape: {type: capsule, radius: 0.0373, height: 0.04}
+  bead:
+    shape: {type: bead, diameter: 0.0746}
     pose: {position: [0.801, 0.020, -0.1797]}
 tasks:
   side: &side
-    object: capsule
+    object: bead
     desired_contacts: [[0.0, 0.0373, 0.0], [0.0, -0.0373, 0.0]]
     wrench: {force: [0.0, 0.0, -2.0]}
     contact: {friction: 0.9}
@@ -309,26 +307,26 @@ def scene_file(folder: Path, text: str = SCENE) -> Path:
 
 
 def test_a_shape_is_known_while_it_is_registered(tmp_path: Path) -> None:
-    with pytest.raises(pinograsp.InputError, match="'capsule' is not known"):
+    with pytest.raises(pinograsp.InputError, match="'bead' is not known"):
         pinograsp.load_scene(scene_file(tmp_path))
-    assert "Capsule" not in schema("scene")["$defs"]
+    assert "Bead" not in schema("scene")["$defs"]
 
 
 @pytest.mark.usefixtures("registered")
 def test_a_new_shape_is_described_like_any_other(tmp_path: Path) -> None:
     scene = pinograsp.load_scene(scene_file(tmp_path))
-    assert scene.objects["capsule"].shape == CAPSULE
+    assert scene.objects["bead"].shape == BEAD
     content = scene.model_dump()
-    assert content["objects"]["capsule"]["shape"] == {"type": "capsule", "radius": 0.0373, "height": 0.04}
-    assert '"beam":{"shape":{"type":"capsule","radius":0.02,"height":0.3}' in scene.model_dump_json()
+    assert content["objects"]["bead"]["shape"] == {"type": "bead", "diameter": 0.0746}
+    assert '"other":{"shape":{"type":"bead","diameter":0.04}' in scene.model_dump_json()
     assert type(scene).model_validate(content) == scene
     assert type(scene).model_validate_json(scene.model_dump_json()) == scene
-    assert "Capsule" in schema("scene")["$defs"]
-    misspelt = scene_file(tmp_path, SCENE.replace("height: 0.04", "hieght: 0.04"))
-    with pytest.raises(pinograsp.InputError, match=r"objects\.capsule\.shape\.hieght.*unknown key.*mean height"):
+    assert "Bead" in schema("scene")["$defs"]
+    misspelt = scene_file(tmp_path, SCENE.replace("diameter: 0.0746", "daimeter: 0.0746"))
+    with pytest.raises(pinograsp.InputError, match=r"objects\.bead\.shape\.daimeter.*unknown key.*mean diameter"):
         pinograsp.load_scene(misspelt)
-    unknown = scene_file(tmp_path, SCENE.replace("type: capsule, radius: 0.0373", "type: capsul, radius: 0.0373"))
-    with pytest.raises(pinograsp.InputError, match=r"objects\.capsule\.shape\.type.*mean capsule"):
+    unknown = scene_file(tmp_path, SCENE.replace("type: bead, diameter: 0.0746", "type: baed, diameter: 0.0746"))
+    with pytest.raises(pinograsp.InputError, match=r"objects\.bead\.shape\.type.*mean bead"):
         pinograsp.load_scene(unknown)
 
 
@@ -339,7 +337,7 @@ def test_a_new_shape_is_drawn_and_painted(tmp_path: Path) -> None:
         recorder = Recorder()
         draw_scene(Visualizer(window=recorder), scene, scene.task(task))
         drawn = {c["path"].rsplit("meshcat/")[-1]: c["object"] for c in recorder.commands if c["type"] == "set_object"}
-        for name in ("object", "obstacles/beam"):
+        for name in ("object", "obstacles/other"):
             [geometry] = drawn[name]["geometries"]
             assert ("color" in geometry["data"]["attributes"]) == (painted and name == "object")
 
@@ -352,9 +350,9 @@ def test_a_new_shape_is_grasped(gen3: Robot, tmp_path: Path) -> None:
     assert result.refuted == 0
     best = result.best
     assert best is not None
-    surface = surface_of(CAPSULE)
+    surface = surface_of(BEAD)
     for contact in best.contacts:
-        point = np.array(contact.point) - scene.objects["capsule"].pose.matrix[:3, 3]
+        point = np.array(contact.point) - scene.objects["bead"].pose.matrix[:3, 3]
         assert surface.signed_distance(point[None])[0] == pytest.approx(0.0, abs=2e-5)
         assert abs(point[2]) <= 0.02 + 1e-6
     pinograsp.write_json(result, tmp_path / "result.json")

@@ -83,7 +83,7 @@ def made_in_python() -> Scene:
 
 def databases(robot: Robot, scene: Scene, folder: Path) -> None:
     with pinograsp.build_database(robot, scene, folder / "starts.duckdb", size=1000) as database:
-        cone = pinograsp.Cone(np.array([0.0, 0.0, -1.0]), 0.5)
+        cone = pinograsp.DirectionCone(np.array([0.0, 0.0, -1.0]), 0.5)
         near = pinograsp.configurations_near(database, np.array([0.5, 0.0, 0.3]), 0.2, cone=cone)
         spread = pinograsp.spread_configurations(database, np.array([0.5, 0.0, 0.3]), 0.2, 10)
         print(near.q.shape, spread.clearances.min(), database.info()["rows"])

@@ -140,7 +140,7 @@ def query(
     directions = None
     if cone is not None:
         with as_options({"axis": "--cone", "half_angle": f"--angle {angle:g}°"}):
-            directions = pinograsp.Cone(np.array(cone), math.radians(angle))
+            directions = pinograsp.DirectionCone(np.array(cone), math.radians(angle))
     with pinograsp.Database.open(file) as opened:
         if spread:
             found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)

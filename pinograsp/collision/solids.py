@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions.scene import Body as BodyDescription
 from ..descriptions.scene import Enclosure
+from ..geometry.convex_solid import convex_solid
 from ..geometry.cover_cache import mesh_cover
 from ..geometry.shapes import surface_of
 from ..kinematics.collision_elements import CollisionElement, collision_elements
@@ -78,7 +79,7 @@ def _shapes(element: CollisionElement, robot: Robot) -> list[Any]:
     if element.mesh is None:
         return [_PRIMITIVES[element.kind](*element.size)]
     pieces, tolerance = robot.description.collision.of(element.link)
-    return [_convex(vertices) for vertices in mesh_cover(element.mesh, element.size, pieces, tolerance)]
+    return [convex_solid(vertices) for vertices in mesh_cover(element.mesh, element.size, pieces, tolerance)]
 
 
 _PRIMITIVES = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder}
@@ -110,17 +111,10 @@ def bounded(shape: Any, placement: Array) -> Solid:
     """
     if isinstance(shape, coal.Box):
         # Coal 3.0.3 finds no distance for one in some hundred pairs of a Box and a hull that just touch.
-        shape = _convex(np.array(list(product((-1.0, 1.0), repeat=3))) * np.array(shape.halfSide))
+        shape = convex_solid(np.array(list(product((-1.0, 1.0), repeat=3))) * np.array(shape.halfSide))
     shape.computeLocalAABB()
     center = placement[:3, :3] @ np.array(shape.aabb_center) + placement[:3, 3]
     return Solid(shape, placement, center, float(shape.aabb_radius))
-
-
-def _convex(points: Array) -> Any:
-    """Return the convex hull of points, shape (n, 3), for Coal."""
-    cloud = coal.StdVec_Vec3s()
-    cloud.extend(list(points))
-    return coal.Convex.convexHull(cloud, True, "Qt")
 
 
 def _hulls(solids: tuple[Solid, ...]) -> tuple[Hull, ...]:
@@ -138,4 +132,4 @@ def _joined(pieces: list[Solid]) -> Solid:
     if len(pieces) == 1:
         return pieces[0]
     points = [np.array(s.shape.points()) @ s.placement[:3, :3].T + s.placement[:3, 3] for s in pieces]
-    return bounded(_convex(np.concatenate(points)), IDENTITY)
+    return bounded(convex_solid(np.concatenate(points)), IDENTITY)

@@ -21,7 +21,7 @@ import numpy as np
 from ..arrays import Array, real_array
 from ..errors import UnknownNameError, close_names, real_number, require_kind, whole_number
 from ..frozen import Record
-from ..geometry.cone import Cone
+from ..geometry.cone import DirectionCone
 from .store import Database
 
 _CANDIDATES = 40
@@ -63,7 +63,7 @@ def configurations_near(
     center: Array,
     extent: float | Array,
     *,
-    cone: Cone | None = None,
+    cone: DirectionCone | None = None,
     joints: Intervals | None = None,
     limit: int | None = None,
 ) -> Configurations:
@@ -94,7 +94,7 @@ def spread_configurations(
     extent: float | Array,
     count: int,
     *,
-    cone: Cone | None = None,
+    cone: DirectionCone | None = None,
     joints: Intervals | None = None,
     seed: int = 0,
 ) -> Configurations:
@@ -135,7 +135,7 @@ def spread_configurations(
 
 
 def _condition(
-    database: Database, center: Array, extent: float | Array, cone: Cone | None, joints: Intervals
+    database: Database, center: Array, extent: float | Array, cone: DirectionCone | None, joints: Intervals
 ) -> tuple[str, dict[str, Any]]:
     """Return a WHERE clause with its parameters."""
     require_kind("database", database, Database, remedy="Open it with `Database.open`")
@@ -156,7 +156,7 @@ def _condition(
         parts.append(f"{square} <= $radius ** 2")
         values["radius"] = float(half[0])
     if cone is not None:
-        require_kind("cone", cone, Cone)
+        require_kind("cone", cone, DirectionCone)
         values |= {
             "cone_x": cone.axis[0],
             "cone_y": cone.axis[1],

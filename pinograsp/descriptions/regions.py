@@ -7,12 +7,13 @@ inside it is meant. Membership is smooth for the optimiser (`pinograsp.geometry.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from .model import Frozen
-from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3
+from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3, listed
 
 
 class HalfSpace(Frozen):
@@ -63,6 +64,21 @@ class Cuboid(Frozen):
     """Corner of the greatest coordinates, m."""
 
 
+class Near(Frozen):
+    """Points within `radius` of one of the `points`: contact where it is painted with a round brush."""
+
+    type: Literal["near"] = "near"
+    points: Annotated[tuple[Vector3, ...], BeforeValidator(listed), Field(min_length=1)]
+    """m, shape (n, 3)."""
+    radius: Positive
+    """m."""
+
+    @cached_property
+    def balls(self) -> AnyOf:
+        """The same region as balls."""
+        return AnyOf(parts=tuple(Ball(center=point, radius=self.radius) for point in self.points))
+
+
 class AllOf(Frozen):
     """Points in every part."""
 
@@ -88,7 +104,7 @@ class Outside(Frozen):
 
 
 Region = Annotated[
-    HalfSpace | Band | Sector | Ball | Cuboid | AllOf | AnyOf | Outside,
+    HalfSpace | Band | Sector | Ball | Cuboid | Near | AllOf | AnyOf | Outside,
     Field(discriminator="type"),
 ]
 for _combination in (AllOf, AnyOf, Outside):

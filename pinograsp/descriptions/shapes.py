@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
 from .kinds import Kinds
 from .model import Frozen
-from .values import Positive, listed
+from .values import NotNegative, Positive, listed, wrong
 
 
 class ShapeDescription(Frozen):
@@ -47,7 +47,43 @@ class Cylinder(ShapeDescription):
     """Along z, m."""
 
 
-SHAPES = Kinds(Sphere, Box, Cylinder)
+class Capsule(ShapeDescription):
+    """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
+
+    type: Literal["capsule"] = "capsule"
+    radius: Positive
+    """m."""
+    length: Positive
+    """Between the centres of the two end balls, m."""
+
+
+class Cone(ShapeDescription):
+    """A cone around the z axis of its frame, whole or truncated; its height, along z, is centred at the origin."""
+
+    type: Literal["cone"] = "cone"
+    bottom_radius: NotNegative
+    """At the lower end, m; 0 for a tip."""
+    top_radius: NotNegative
+    """At the upper end, m; 0 for a tip."""
+    height: Positive
+    """Along z, m."""
+
+    @model_validator(mode="after")
+    def _not_a_line(self) -> Cone:
+        if self.bottom_radius == self.top_radius == 0.0:
+            raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
+        return self
+
+
+class Ellipsoid(ShapeDescription):
+    """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
+
+    type: Literal["ellipsoid"] = "ellipsoid"
+    semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    """Along x, y, z, m."""
+
+
+SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
 """Every shape that a scene file may have."""
 
 Shape = Annotated[ShapeDescription, SHAPES]

@@ -13,7 +13,7 @@ from ..frozen import Record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Cone(Record):
+class DirectionCone(Record):
     """Directions within an angle of an axis.
 
     Raises:

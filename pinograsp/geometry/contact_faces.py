@@ -24,11 +24,15 @@ class Ruling:
     """A straight line through the point."""
 
     direction: Array
-    """Unit vector, shape (3,); it does not depend on where on the surface the point is."""
+    """Unit vector, shape (3,)."""
     low: float
     """Where it begins, seen from the point along `direction`, m; not positive for a point of the surface."""
     high: float
     """Where it ends, m."""
+    bend: Array | None = None
+    """Derivative of the direction as the point moves over the surface, 1/m, shape (3, 3); None: it does not turn."""
+    sharp: bool = True
+    """Whether the surface has edges at both ends; if not, it bends on smoothly there."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +66,10 @@ ContactFace = Spot | Ruling | Flat
 def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
     """Return the distance of a point of the surface from the nearest edge of its contact face, and the gradient.
 
-    A spot has no edge: the distance is infinite.
+    A spot has no edge, nor has a line whose ends are smooth: the distance is infinite.
     """
     match face:
-        case Ruling():
+        case Ruling(sharp=True):
             return (-face.low, face.direction) if -face.low < face.high else (face.high, -face.direction)
         case Flat():
             room = face.room(point[None])[0]

@@ -41,6 +41,8 @@ def is_convex(region: described.Region) -> bool:
             return isinstance(region.part, described.HalfSpace)
         case described.Sector():
             return region.half_width <= 0.5 * math.pi
+        case described.Near():
+            return is_convex(region.balls)
         case described.AnyOf():
             return len(region.parts) == 1 and is_convex(region.parts[0])
     return True
@@ -100,6 +102,10 @@ def _ball(region: described.Ball, sign: float) -> Membership:
     return _signed(inside, sign)
 
 
+def _near(region: described.Near, sign: float) -> Membership:
+    return _any_of(region.balls, sign)
+
+
 def _all_of(region: described.AllOf, sign: float) -> Membership:
     return _joined([_MAKERS[type(part)](part, sign) for part in region.parts], smallest=sign > 0)
 
@@ -136,6 +142,7 @@ _MAKERS: dict[type, Any] = {
     described.Sector: _sector,
     described.Ball: _ball,
     described.Cuboid: _cuboid,
+    described.Near: _near,
     described.AllOf: _all_of,
     described.AnyOf: _any_of,
     described.Outside: _outside,

@@ -5,8 +5,8 @@ point c to where the pad ends: along the straight line in which a flat pad touch
 pad that lies on a flat face. A ray ends at a point e that is
 
     fixed to the pad, a corner or the end of a line:     de = velocity of the pad at e,
-    where a line c + t d of the object crosses a rim     de = dc - d (a . (dc - velocity of the pad at e)) / (a . d)
-    of the pad with normal a:
+    where a line c + t d of the object crosses a rim     de = dl - d (a . (dl - velocity of the pad at e)) / (a . d)
+    of the pad with normal a:                            dl = dc + t (derivative of d as c moves) dc
 
 The object may end before: then the ray has last points, which belong to the object's edges.
 """
@@ -97,6 +97,7 @@ def _along(state: State, pad: int, line: Ruling, rectangle: Array) -> list[Ray]:
         c,
         contacts.d_points[pad],
         d,
+        np.zeros((3, 3)) if line.bend is None else line.bend,
         rectangle,
         contacts.linear[pad],
         contacts.angular[pad],
@@ -116,6 +117,7 @@ def _crossings(
     c: Array,
     d_c: Array,
     d: Array,
+    bend: Array,
     rectangle: Array,
     linear: Array,
     angular: Array,
@@ -129,6 +131,7 @@ def _crossings(
         c: the contact point, world, m, shape (3,).
         d_c: its derivative, shape (3, v).
         d: direction of the line, shape (3,).
+        bend: derivative of d in c, 1/m, shape (3, 3).
         rectangle: ranges along x and y of the patch frame, m, shape (2, 2).
         linear: velocity of the pad at c, shape (3, nv).
         angular: angular velocity of the pad, shape (3, nv).
@@ -150,13 +153,14 @@ def _crossings(
                     reaches[side], rim, slope, moving = t, axis, sign * along, room > EDGE
         ends[side] = c + sign * reaches[side] * d
         moves = _velocities(ends[side], c, linear, angular, B, d_c.shape[1])
+        d_line = d_c + sign * reaches[side] * (bend @ d_c)
         for variable in range(d_c.shape[1]):
             across = 0.0
             if moving:
                 for k in range(3):
-                    across += R[k, rim] * (d_c[k, variable] - moves[k, variable])
+                    across += R[k, rim] * (d_line[k, variable] - moves[k, variable])
             for k in range(3):
-                d_ends[side, k, variable] = d_c[k, variable] - d[k] * across / slope
+                d_ends[side, k, variable] = d_line[k, variable] - d[k] * across / slope
     return reaches, ends, d_ends
 
 

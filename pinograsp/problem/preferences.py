@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..descriptions import Scene, Task
 from ..descriptions.task import JointInterval
 from ..errors import TaskError, UnknownNameError, close_names
-from ..geometry.cone import Cone
+from ..geometry.cone import DirectionCone
 from ..geometry.patches import inside_rim
 from ..kinematics.robot import Robot
 
@@ -18,12 +18,12 @@ ROUNDING = 1e-9
 """How far the value of a lock may be outside the limits and still be their end, rad (m)."""
 
 
-def approach_cone(task: Task, T_world_object: Array) -> Cone | None:
+def approach_cone(task: Task, T_world_object: Array) -> DirectionCone | None:
     """Return the cone of a task in the world, or None if every approach direction is fine."""
     if task.approach is None:
         return None
     R = T_world_object[:3, :3] if task.approach.frame == "object" else np.eye(3)
-    return Cone(R @ np.array(task.approach.direction), task.approach.angle)
+    return DirectionCone(R @ np.array(task.approach.direction), task.approach.angle)
 
 
 def posture_bounds(robot: Robot, scene: Scene, task_name: str) -> tuple[Array, Array]:

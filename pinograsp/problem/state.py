@@ -29,6 +29,7 @@ class State:
         self.model = model
         self.x = x
         self._desired = model.desired_points[list(assignment)]
+        self._desired_normals = model.desired_normals[list(assignment)]
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
         self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:])
@@ -37,6 +38,11 @@ class State:
     def desired(self) -> Array:
         """Desired point of every pad, world, m, shape (n, 3)."""
         return self._desired
+
+    @property
+    def desired_normals(self) -> Array:
+        """Outward normal of the flat face that the desired point of every pad is on; zero if it is curved, (n, 3)."""
+        return self._desired_normals
 
     @cached_property
     def surface(self) -> tuple[Array, Array, Array]:

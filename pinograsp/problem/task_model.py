@@ -52,6 +52,9 @@ class TaskModel:
         self.T_world_object = target.pose.matrix
         desired = np.array(self.task.desired_contacts)
         self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        faces = [self.contact_face(point) for point in self.desired_points]
+        self.desired_normals = np.array([f.normal if isinstance(f, Flat) else np.zeros(3) for f in faces])
+        """Outward normals of the flat faces that the desired points are on; zero on curved parts, shape (n, 3)."""
         self.approach = approach_cone(self.task, self.T_world_object)
         self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
 
@@ -82,7 +85,8 @@ class TaskModel:
         face = self.surface.contact_face((point - origin) @ R)
         match face:
             case Ruling():
-                return replace(face, direction=R @ face.direction)
+                bend = None if face.bend is None else R @ face.bend @ R.T
+                return replace(face, direction=R @ face.direction, bend=bend)
             case Flat():
                 return Flat(face.corners @ R.T + origin, R @ face.normal)
         return face

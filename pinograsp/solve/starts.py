@@ -10,7 +10,7 @@ from ..arrays import Array, Indices
 from ..collision.hand_free import hand_free
 from ..database.query import Configurations, spread_configurations
 from ..database.store import Database
-from ..geometry.cone import Cone
+from ..geometry.cone import DirectionCone
 from ..kinematics.hand_posture import preshape
 from ..problem import TaskModel
 
@@ -108,7 +108,7 @@ def _selection(
 ) -> Configurations:
     """Return configurations near the object that miss cone and ranges, or locked joints, by no more than the slacks."""
     approach = model.approach
-    cone = None if approach is None else Cone(approach.axis, min(approach.half_angle + slack, math.pi))
+    cone = None if approach is None else DirectionCone(approach.axis, min(approach.half_angle + slack, math.pi))
     joints = _intervals(model, slack, lock_slack)
     center, radius = model.load.center_of_mass, model.task.start_radius
     return spread_configurations(database, center, radius, count, cone=cone, joints=joints, seed=seed)

@@ -62,7 +62,7 @@ def _concave(region: described.Region) -> bool:
         case described.Outside():
             return isinstance(region.part, described.HalfSpace)
         case _:
-            return not isinstance(region, described.Sector | described.AnyOf)
+            return not isinstance(region, described.Sector | described.AnyOf | described.Near)
 
 
 def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
@@ -81,6 +81,8 @@ def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
             return _ball(region, cells)
         case described.Sector():
             return _sector(region, cells)
+        case described.Near():
+            return _bounds(region.balls, cells)
         case described.AllOf():
             lowers, uppers = zip(*(_bounds(part, cells) for part in region.parts), strict=True)
             return np.min(lowers, axis=0), np.min(uppers, axis=0)

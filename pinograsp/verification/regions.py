@@ -27,6 +27,8 @@ def depth(region: described.Region, point: Array) -> float:
             return region.radius - math.dist(point, region.center)
         case described.Cuboid():
             return float(min(np.min(point - region.min), np.min(np.array(region.max) - point)))
+        case described.Near():
+            return depth(region.balls, point)
         case described.AllOf():
             return min(depth(part, point) for part in region.parts)
         case described.AnyOf():

@@ -15,7 +15,10 @@ from ...descriptions import shapes as described
 from ..contact_faces import ContactFace
 from ..tessellation import Tessellation
 from .box import BoxSurface
+from .capsule import CapsuleSurface
+from .cone import ConeSurface
 from .cylinder import CylinderSurface
+from .ellipsoid import EllipsoidSurface
 from .sphere import SphereSurface
 
 
@@ -55,6 +58,9 @@ SURFACES: dict[type[described.ShapeDescription], Callable[[Any], Surface]] = {
     described.Sphere: SphereSurface,
     described.Box: BoxSurface,
     described.Cylinder: CylinderSurface,
+    described.Capsule: CapsuleSurface,
+    described.Cone: ConeSurface,
+    described.Ellipsoid: EllipsoidSurface,
 }
 """The surface of each described shape, made from its description. A new shape is registered here."""
 

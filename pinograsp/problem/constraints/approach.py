@@ -16,7 +16,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...geometry.cone import Cone
+from ...geometry.cone import DirectionCone
 from ...kinematics.wrist import approach_direction
 from ..constraint import PER_RADIAN, Inside, Residual, Violation
 from ..state import State
@@ -38,7 +38,7 @@ class Approach(Inside):
     least = 2e-5
     """How far inside its cone the approach direction must be, rad: the solver's tolerance must not let it out."""
 
-    def __init__(self, cone: Cone, wrist: str) -> None:
+    def __init__(self, cone: DirectionCone, wrist: str) -> None:
         self._axis, self._angle, self._wrist = cone.axis, cone.half_angle, wrist
 
     def inside(self, state: State) -> Residual:

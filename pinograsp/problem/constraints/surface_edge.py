@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...geometry.contact_faces import Spot, edge_distance
+from ...geometry.contact_faces import edge_distance
 from ..constraint import PER_METRE, Inside, Residual, Violation
 from ..state import State
 from ..task_model import TaskModel
@@ -46,4 +46,5 @@ class SurfaceEdge(Inside):
 
 def surface_edge(model: TaskModel) -> SurfaceEdge | None:
     """Return the constraint, or None if the object's surface has no edges."""
-    return None if isinstance(model.contact_face(model.desired_points[0]), Spot) else SurfaceEdge(model)
+    point = model.desired_points[0]
+    return SurfaceEdge(model) if np.isfinite(edge_distance(model.contact_face(point), point)[0]) else None

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...arrays import Array
 from ..constraint import PER_METRE, Descents, Projected, Residual
 from ..cost import Cost
 from ..state import State
 from ..task_model import TaskModel
+
+FACING = 60.0
+"""Weight in the projection of pads that look at the face of their desired point, per radian: above pad tangency's."""
 
 
 class DesiredContacts(Cost, Projected):
@@ -16,7 +21,7 @@ class DesiredContacts(Cost, Projected):
     descents: Descents = "targets"
 
     def __init__(self, model: TaskModel) -> None:
-        """Nothing of a task is needed that its states do not know."""
+        self._on_faces = bool(np.any(model.desired_normals))
 
     def offsets(self, state: State) -> Residual:
         """Return c_i - c_desired_i, m, shape (3 n,)."""
@@ -27,5 +32,17 @@ class DesiredContacts(Cost, Projected):
         values, jacobian = self.offsets(state)
         return 1e6 * float(values @ values), 2e6 * values @ jacobian
 
+    def facings(self, state: State) -> Residual:
+        """Return n_pad + n of the flat face that the pad's desired point is on, dimensionless, shape (3 n,)."""
+        flat = np.any(state.desired_normals, axis=1)
+        values = np.where(flat[:, None], state.contacts.normals + state.desired_normals, 0.0)
+        jacobian = np.where(flat[:, None, None], state.contacts.d_normals, 0.0)
+        return Residual(values.ravel(), jacobian.reshape(values.size, -1))
+
     def projection(self, state: State, weight: float) -> Residual:
-        return self.offsets(state).scaled(weight * PER_METRE)
+        """Return the distances, and that pads look at the faces that are meant: other faces do not let them go."""
+        offsets = self.offsets(state).scaled(weight * PER_METRE)
+        if not self._on_faces:
+            return offsets
+        facings = self.facings(state).scaled(weight * FACING)
+        return Residual(*(np.concatenate(parts) for parts in zip(offsets, facings, strict=True)))
