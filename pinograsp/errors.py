@@ -10,7 +10,7 @@
         WorkerLostError             worker processes ended
 
 Each input error names the file, the key, what is wrong and what to do. A search that finds nothing is not an error; it
-is a `Result` without grasps that says what blocked it.
+is a `Result` without grasps that says what blocked it, or why it had no start.
 """
 
 from __future__ import annotations

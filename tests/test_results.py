@@ -22,6 +22,7 @@ from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_js
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
 from pinograsp.descriptions.model import FileRoot
 from pinograsp.frozen import Record
+from pinograsp.planning.outcomes import Run
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, merge
 from pinograsp.results.provenance import provenance
 from pinograsp.results.table import grasp_table, outcome_lines
@@ -556,3 +557,24 @@ def test_words_about_the_starts(setup: Setup) -> None:
         "blocked by enclosure: 6 starts, nearest miss 20.7 mm (finger - wall)",
         "blocked by forces: 1 starts, nearest miss 0.5",
     ]
+
+
+@pytest.mark.parametrize(
+    ("found", "rows", "said"),
+    [
+        (12, 100, ""),
+        (5, 100, "only 5 of 12 starts were found: the database has no more configuration that suits the task"),
+        (
+            0,
+            100,
+            "no start was found: the database has no configuration that suits the task and has the wrist within 0.3",
+        ),
+        (0, 0, "no start was found: the database is empty"),
+    ],
+)
+def test_a_result_says_why_there_were_few_starts(setup: Setup, found: int, rows: int, said: str) -> None:
+    run = Run(setup, {}, 12, ("odd",))
+    run.count_starts(found, rows, 0.3)
+    first, *others = run.result(()).warnings
+    assert first == "odd"
+    assert [other.startswith(said) for other in others] == ([True] if said else [])

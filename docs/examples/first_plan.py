@@ -11,6 +11,7 @@ def main(starts: int = 1304) -> None:
 
     best = result.best
     if best is None:  # no start led to a grasp: the result says why
+        print(*result.warnings, sep="\n")
         for kind, blocked in result.blocked.items():
             print(f"{kind}: {blocked.starts} starts, nearest miss {blocked.nearest_miss:.3g} {blocked.unit}")
         return

@@ -142,7 +142,8 @@ class Planner:
         began = time.perf_counter()
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
-        run = Run(Setup(self._robot.description, self._scene, task), self._robot.files, starts, check_task(model))
+        setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
+        run = Run(setup, self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
         self._evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -152,7 +153,9 @@ class Planner:
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
             identity = identity_of(database).digest
-            run.facts["database"] = {"file": str(database.file), "rows": database.rows(), "identity": identity}
+            rows = database.rows()
+            run.facts["database"] = {"file": str(database.file), "rows": rows, "identity": identity}
+            run.count_starts(len(postures), rows, model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)

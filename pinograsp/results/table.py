@@ -125,9 +125,8 @@ def outcome_lines(result: Result) -> list[str]:
     share = f" ({100 * result.verified / result.done:.1f} %)" if result.done else ""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in result.counts.items() if count)
     lines = [f"{result.verified} of {result.done} starts verified{share}; solver: {outcomes or 'no start'}"]
-    if result.done < result.starts:
-        reason = "interrupted" if result.interrupted else "no more collision-free starts near the object were found"
-        lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: {reason}")
+    if result.interrupted and result.done < result.starts:
+        lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: interrupted")
     elif result.interrupted:
         lines.append("interrupted: the resistance of some grasps is not known")
     if result.refuted:
