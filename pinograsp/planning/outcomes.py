@@ -14,6 +14,7 @@ from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
+from ..units import in_si
 from ..verification.resistance import Q_FORCE
 from .attempt import Attempt
 
@@ -131,4 +132,4 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     worst = attempt.solution.worst
     if worst is None:
         return "solver failure", 0.0, "", attempt.solution.message
-    return worst.name, worst.value, worst.unit, worst.where
+    return worst.name, *in_si(worst.value, worst.unit), worst.where

@@ -27,7 +27,7 @@ class Blocked(Record):
     nearest_miss: float
     """Least violation among them, in `unit`."""
     unit: str
-    """As the constraint reports it, such as "mm"; empty for a pure number."""
+    """SI, angles in radians; empty for a pure number."""
     where: str
     """Bodies, pad or figure of the nearest miss."""
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..tables import GAP, Table
+from ..units import shown_in
 from ..verification.certificate import Figure, PairClearance
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Contact, Grasp
@@ -132,7 +133,8 @@ def outcome_lines(result: Result) -> list[str]:
     if result.refuted:
         lines.append(f"{result.refuted} starts feasible for the solver, refuted by the independent check")
     for kind, blocked in sorted(result.blocked.items(), key=lambda item: -item[1].starts):
-        miss = f"{blocked.nearest_miss:.3g} {blocked.unit}".strip()
+        scale, unit = shown_in(blocked.unit)
+        miss = f"{scale * blocked.nearest_miss:.3g} {unit}".strip()
         where = f" ({blocked.where})" if blocked.where else ""
         lines.append(f"blocked by {kind}: {blocked.starts} starts, nearest miss {miss}{where}")
     return lines
