@@ -22,6 +22,9 @@ from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 
+LISTED = 12
+"""Names that a remedy lists at most."""
+
 
 class PinograspError(Exception):
     """Base of every error that pinograsp raises on purpose."""
@@ -173,8 +176,10 @@ def close_names(name: object, known: Iterable[str]) -> str:
     """Return a remedy that lists the names closest to `name` among those known."""
     from difflib import get_close_matches
 
-    names = list(known)
+    names = sorted(set(known))
     close = get_close_matches(str(name), names, n=3, cutoff=0.5)
     if close:
         return f"Did you mean {' or '.join(close)}?"
-    return f"Known: {', '.join(sorted(names)[:12])}" if names else "None is defined"
+    if not names:
+        return "None is defined"
+    return f"Known: {', '.join(names[:LISTED])}" + (", ..." if len(names) > LISTED else "")

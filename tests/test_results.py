@@ -590,3 +590,10 @@ def test_misses_are_in_si(value: float, unit: str, expected: tuple[float, str]) 
     solution = Solution(0, "infeasible", (), np.zeros(1), (Violation("k", value, unit, "w", 1.0),), 0, 0.0)
     found = blocked([Attempt(solution)])["k"]
     assert (found.nearest_miss, found.unit) == (pytest.approx(expected[0]), expected[1])
+
+
+def test_a_result_is_its_grasps(result: Result) -> None:
+    assert len(result) == len(result.grasps) > 0
+    assert tuple(result) == result.grasps
+    assert next(iter(result)) is result.best
+    assert not dataclasses.replace(result, grasps=())

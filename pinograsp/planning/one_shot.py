@@ -63,7 +63,7 @@ def plan(
         return planner.plan(task, starts=starts, seed=seed)
 
 
-def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> ConfigurationCheck:
+def check(robot: Robot, scene: Scene, task: str, joints: Configuration) -> ConfigurationCheck:
     """Check a configuration of the user's own: `Planner.check`, which is quicker for who checks many.
 
     Pads and object are taken to touch where they are nearest to it, with the best contact forces (8) there. The
@@ -73,7 +73,7 @@ def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> Configurat
         robot: from `load_robot`; it is mounted where the scene says.
         scene: from `load_scene`.
         task: name of a task of the scene: its object, margins and pads count.
-        q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+        joints: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
             synergies in the order of the robot file, shape (l + s,); rad (m).
 
     Returns:
@@ -83,4 +83,4 @@ def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> Configurat
         InputError: there is no such task, or a value is missing, unknown or not finite.
     """
     with Planner(robot, scene) as planner:
-        return planner.check(task, q)
+        return planner.check(task, joints)

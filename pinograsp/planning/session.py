@@ -226,12 +226,12 @@ class Planner:
         self._scene = self._scene.with_object_pose(name, there)
         self._models = {task: model.moved(name, self._scene) for task, model in self._models.items()}
 
-    def check(self, task: str, q: Configuration) -> ConfigurationCheck:
+    def check(self, task: str, joints: Configuration) -> ConfigurationCheck:
         """Check a configuration of the user's own: certificate figures, clearances by pair, and a grasp to draw.
 
         Args:
             task: name of a task of the scene: its object, margins and pads count.
-            q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+            joints: values by name, of every arm joint and synergy at least (those of a grasp do); or arm joints and
                 synergies in the order of the robot file, shape (l + s,); rad (m).
 
         Raises:
@@ -239,7 +239,7 @@ class Planner:
         """
         model = self._model(task)
         with compiling(self._report):
-            return checked(model, verifier_of(model), q)
+            return checked(model, verifier_of(model), joints)
 
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -93,6 +93,14 @@ class Result(Record):
     def done(self) -> int:
         """Number of starts that were solved."""
         return sum(self.counts.values())
+
+    def __len__(self) -> int:
+        """Return the number of grasps: a result without any is false."""
+        return len(self.grasps)
+
+    def __iter__(self) -> Iterator[Grasp]:
+        """Iterate over the grasps, the best first."""
+        return iter(self.grasps)
 
     def number_of(self, grasp: Grasp) -> int:
         """Return the number of one of the grasps, its place in `grasps`, from 1: tables and files name it by that.
