@@ -39,13 +39,13 @@ def plan(
         robot: from `load_robot`; it is mounted where the scene says.
         scene: from `load_scene`.
         task: name of a task of the scene.
-        starts: number of starts.
+        starts: number of starts; by default 1304, as in the paper.
         workers: number of processes; None: one for each core.
         executor: takes their place: any `concurrent.futures.Executor` of processes.
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called as the work goes on, stage by stage; see `Planner`.
+        progress: called as the work goes on, stage by stage (see `Planner`); by default nothing is.
 
     Raises:
         InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to

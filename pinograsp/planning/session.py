@@ -131,7 +131,7 @@ class Planner:
 
         Args:
             task: name of a task of the scene.
-            starts: number of starts.
+            starts: number of starts; by default 1304, as in the paper.
             seed: of the choice of starts.
 
         Raises:

@@ -41,7 +41,7 @@ class Result(Record):
     setup: Setup = field(repr=False)
     """Robot, scene and task; each of the grasps gets this object too."""
     grasps: tuple[Grasp, ...]
-    """In the default order (`results/ranking.py`)."""
+    """In the default order, that of `ranked()`: the best first."""
     starts: int
     """Starts asked for."""
     counts: Mapping[str, int]
