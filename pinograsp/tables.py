@@ -10,8 +10,8 @@ from typing import Literal
 
 GAP = 2
 """Spaces between two columns."""
-NARROWEST = 12
-"""Columns of words get at least so many characters."""
+NARROWEST = 14
+"""Columns of words get at least so many characters: "manipulability" has as many."""
 COLORS = {"red": 31, "green": 32, "yellow": 33}
 """Codes of terminals."""
 
