@@ -26,6 +26,7 @@ from pinograsp.cli import completion, reporters
 from pinograsp.cli.folders import file_name, save
 from pinograsp.cli.orders import ORDERS
 from pinograsp.cli.spelling import spelled
+from pinograsp.cli.terminal import Terminal
 from pinograsp.onboarding.check import RobotReport
 from pinograsp.onboarding.findings import Finding, LinkFigures
 from pinograsp.onboarding.table import findings_table, links_table
