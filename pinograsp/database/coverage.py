@@ -69,7 +69,7 @@ class Coverage(Record):
 
     @property
     def mean_directions(self) -> float:
-        """Mean number of approach directions of the voxels that the wrist reaches; 0 if there is none."""
+        """Mean number, no unit, of the approach directions of reached voxels; 0 if there is none."""
         often = self.directions[self.counts > 0]
         return float(often.mean()) if often.size else 0.0
 

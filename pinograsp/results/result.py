@@ -59,7 +59,7 @@ class Result(Record):
     provenance: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
-    """What is odd about the task, and why there were fewer starts than asked for; a sentence each."""
+    """Sentences about what is odd about the task, and about why there were fewer starts than asked for."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 
