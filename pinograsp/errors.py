@@ -22,9 +22,6 @@ from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 
-LISTED = 12
-"""Names that a remedy lists at most."""
-
 
 class PinograspError(Exception):
     """Base of every error that pinograsp raises on purpose."""
@@ -170,6 +167,10 @@ def require_kind(name: str, value: object, *kinds: type, remedy: str | None = No
     if not isinstance(value, kinds):
         wanted = " or ".join(kind.__name__ for kind in kinds)
         raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
+
+
+LISTED = 12
+"""Names that a remedy lists at most."""
 
 
 def close_names(name: object, known: Iterable[str]) -> str:

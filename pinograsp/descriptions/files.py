@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import yaml
@@ -13,25 +12,6 @@ from ..errors import FileError, InputError
 from .model import Root
 from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
-
-_INT, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML with decimal numbers only: 1:30, 010 and 0x10 (90, 8 and 16 in YAML 1.1) are words, 1e-3 is a number."""
-
-    yaml_implicit_resolvers = {  # noqa: RUF012 - PyYAML declares it without a type
-        first: [(tag, pattern) for tag, pattern in resolvers if tag not in {_INT, _FLOAT}]
-        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-
-
-_DIGITS = "(?:0|[1-9][0-9]*)"
-_Loader.add_implicit_resolver(_INT, re.compile(rf"[-+]?{_DIGITS}$"), [*"-+0123456789"])
-_Loader.add_implicit_resolver(
-    _FLOAT, re.compile(rf"[-+]?(?:{_DIGITS}(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?$"), [*"-+.0123456789"]
-)
-_Loader.add_implicit_resolver(_FLOAT, re.compile(r"(?:[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$"), [*"-+."])
 
 
 class _Lines:
@@ -76,8 +56,8 @@ def read_file(file: Path, model: type[Root]) -> Root:
     data = content_of(file)
     try:
         text = data.decode()
-        node = yaml.compose(text, Loader=_Loader)
-        content = yaml.load(text, Loader=_Loader)
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        content = yaml.safe_load(text)
         lines = _Lines(node, file)
     except UnicodeDecodeError:
         raise FileError("is not a text file in UTF-8", file=file) from None

@@ -32,9 +32,7 @@ def wrong_name(problem: str, name: str, known: list[str], *path: str | int) -> P
 
 
 def _number(value: object) -> object:
-    """Refuse words and booleans (YAML reads `yes` as true) as numbers; -0 is 0: equal content has one digest."""
-    if isinstance(value, str):
-        raise PydanticKnownError("float_type")
+    """Refuse booleans as numbers (YAML reads `yes` and `on` as true); -0 is 0: equal content has one digest."""
     if isinstance(value, bool | np.bool_):
         raise ValueError(f"a number is wanted, not {value}")
     return 0.0 if isinstance(value, float) and value == 0.0 else value
