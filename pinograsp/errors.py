@@ -10,7 +10,7 @@
         WorkerLostError             worker processes ended
 
 Each input error names the file, the key, what is wrong and what to do. A search that finds nothing is not an error; it
-is a `Result` without grasps that says what blocked it.
+is a `Result` without grasps that says what blocked it, or why it had no start.
 """
 
 from __future__ import annotations
@@ -169,12 +169,18 @@ def require_kind(name: str, value: object, *kinds: type, remedy: str | None = No
         raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
 
 
+LISTED = 12
+"""Names that a remedy lists at most."""
+
+
 def close_names(name: object, known: Iterable[str]) -> str:
     """Return a remedy that lists the names closest to `name` among those known."""
     from difflib import get_close_matches
 
-    names = list(known)
+    names = sorted(set(known))
     close = get_close_matches(str(name), names, n=3, cutoff=0.5)
     if close:
         return f"Did you mean {' or '.join(close)}?"
-    return f"Known: {', '.join(sorted(names)[:12])}" if names else "None is defined"
+    if not names:
+        return "None is defined"
+    return f"Known: {', '.join(names[:LISTED])}" + (", ..." if len(names) > LISTED else "")

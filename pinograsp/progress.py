@@ -21,7 +21,7 @@ class Progress:
 
     def __str__(self) -> str:
         """Return a line, `starts: 120 of 1,304, verified 118, best U 2.179`."""
-        count = f"{self.done:,}" + ("" if self.total is None else f" of {self.total:,}")
+        count = f"{self.done:,}" + (" so far" if self.total is None else f" of {self.total:,}")
         return ", ".join([f"{self.stage}: {count}", *(f"{name} {value:,.4g}" for name, value in self.numbers.items())])
 
 

@@ -76,15 +76,20 @@ class Table:
         return "\n".join(lines)
 
     def _widths(self, width: int) -> list[int]:
-        """Return the widths of the columns: those of words share the room that the others leave."""
+        """Return the widths of the columns: those of words share the room that the others leave.
+
+        Those that would break inside a word give way last.
+        """
         cells = zip(*([[column.heading for column in self.columns]] if self.headings else []), *self.rows, strict=True)
-        widths = [max(len(line) for cell in column for line in cell.split("\n")) for column in cells]
+        filled = list(cells)
+        widths = [max(len(line) for cell in column for line in cell.split("\n")) for column in filled]
+        longest = [max(map(len, re.findall(r"[^_\s]+_?|_", " ".join(column))), default=0) for column in filled]
         room = width - GAP * (len(widths) - 1)
         while sum(widths) > room:
             words = [i for i, column in enumerate(self.columns) if column.kind == "words" and widths[i] > NARROWEST]
             if not words:
                 break
-            widths[max(words, key=widths.__getitem__)] -= 1
+            widths[max(words, key=lambda i: (widths[i] > longest[i], widths[i]))] -= 1
         return widths
 
     def _row(self, cells: tuple[str, ...] | list[str], widths: list[int], code: int | None = None) -> list[str]:

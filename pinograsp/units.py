@@ -13,6 +13,15 @@ SHOWN_IN = {
 }
 """Scale and name of the unit in which a figure is shown; units that are not here stay."""
 
+IN_SI = {"mm": (1e-3, "m"), "deg": (math.radians(1.0), "rad")}
+"""Scale and SI unit of the units in which constraints report violations; units that are not here stay."""
+
+
+def in_si(value: float, unit: str) -> tuple[float, str]:
+    """Return a value and its unit in SI and radians."""
+    scale, si = IN_SI.get(unit, (1.0, unit))
+    return scale * value, si
+
 
 def shown_in(unit: str) -> tuple[float, str]:
     """Return scale and name of the unit in which figures of a unit are shown."""

@@ -115,6 +115,7 @@ def test_rank_by_what_there_is_not(run: Run, file: Path) -> None:
     wrong = "no criterion and no figure is called"
     assert f"--by: {wrong} 'clearence'. Did you mean clearance" in refused(run("rank", file, "--by", "clearence"))
     assert f"--pareto: {wrong} 'beauty'. Known: " in refused(run("rank", file, "--pareto", "U,beauty"))
+    assert "--pareto: no criterion is named. Known: U, Q_force" in refused(run("rank", file, "--pareto", ""))
     assert "nosuch.json: cannot be read: no such file or directory" in refused(run("rank", "nosuch.json"))
 
 

@@ -26,6 +26,7 @@ from pinograsp.cli import completion, reporters
 from pinograsp.cli.folders import file_name, save
 from pinograsp.cli.orders import ORDERS
 from pinograsp.cli.spelling import spelled
+from pinograsp.cli.terminal import Terminal
 from pinograsp.onboarding.check import RobotReport
 from pinograsp.onboarding.findings import Finding, LinkFigures
 from pinograsp.onboarding.table import findings_table, links_table
@@ -271,6 +272,21 @@ def test_what_is_said_of_files(tmp_path: Path) -> None:
     assert save(file, lambda: file.write_text("newer")) == f"replaced: {file}"
 
 
+def test_a_paragraph_wraps_in_a_terminal_alone(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "30")
+    text = f"scene glovebox: the {LONG} room of the paper, with a sphere"
+    Terminal(as_json=False, quiet=False).paragraph(text)
+    assert capsys.readouterr().out == f"{text}\n"
+    monkeypatch.setattr("pinograsp.cli.terminal._is_terminal", lambda stream: True)
+    Terminal(as_json=False, quiet=False).paragraph(text)
+    lines = capsys.readouterr().out.splitlines()
+    assert " ".join(line.strip() for line in lines) == text
+    assert all(len(line) <= 30 or line.strip() == LONG for line in lines)
+    assert all(line.startswith("  ") for line in lines[1:])
+
+
 # ---- progress
 
 
@@ -293,6 +309,10 @@ def test_lines_of_progress(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
     output = capsys.readouterr()
     assert output.out == ""
     assert output.err == "starts: 700 of 1,304, verified 699, best U 2.179\nresistance: 1 of 1,300\n"
+
+
+def test_a_number_without_a_total_is_what_is_done_so_far() -> None:
+    assert str(Progress("compiling", 121)) == "compiling: 121 so far"
 
 
 def test_a_bar_in_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
@@ -378,6 +398,7 @@ def test_figures_clearances_and_contacts_fit(width: int) -> None:
     figures = [Figure(name, -1.2345e-15, 1.5e-4, "N m", "at most", f"{LONG} / {LONG}") for name in names]
     text = figures_table(figures).drawn(width)
     assert max(map(len, text.splitlines())) <= width
+    assert "manipulability" in text
     assert text.count("-1.23e-12 N mm") == text.count("≤ 0.15 N mm") == 4
     pairs = [PairClearance("enclosure clearance", LONG, LONG, distance) for distance in (-0.0123, 0.05, -math.inf)]
     text = clearances_table(pairs).drawn(width)

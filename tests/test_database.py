@@ -35,6 +35,7 @@ from pinograsp.database.store import Database, interruptible
 from pinograsp.descriptions.scene import Enclosure
 from pinograsp.descriptions.task import Margins
 from pinograsp.errors import InputError
+from pinograsp.frozen import json_data
 from pinograsp.geometry.cone import DirectionCone
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.hand_posture import hand_opening
@@ -235,7 +236,9 @@ def test_coverage_counts_every_row(small: Path, glovebox: Any) -> None:
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     assert coverage.counts.shape == (11, 9, 6)
-    assert coverage.counts.sum() == len(rows["q1"])
+    assert coverage.rows == coverage.counts.sum() == len(rows["q1"])
+    assert coverage.voxels == 11 * 9 * 6
+    assert coverage.mean_directions == pytest.approx(coverage.directions.sum() / (coverage.counts > 0).sum())
     assert ((coverage.directions > 0) == (coverage.counts > 0)).all()
     assert coverage.directions.max() <= 24
     assert (coverage.directions <= coverage.counts).all()
@@ -322,7 +325,7 @@ def test_hopeless_enclosure(gen3: Any, glovebox: Any, tmp_path: Path) -> None:
     scene = glovebox.model_copy(update={"enclosure": coffin})
     with build_database(gen3, scene, tmp_path / "none.duckdb", size=10, workers=2) as database:
         facts = database.info()
-    assert (facts["rows"], facts["samples drawn"], facts["layout"]) == (0, 8 * DRAWS, "unsorted")
+    assert (facts["rows"], facts["samples_drawn"], facts["layout"]) == (0, 8 * DRAWS, "unsorted")
     result = pinograsp.plan(gen3, scene_with_room_for_the_sphere(scene), "sphere", starts=4, workers=1)
     assert (result.done, result.best) == (0, None)
 
@@ -390,14 +393,23 @@ def test_command_line(
     assert "the wrist reaches" in covered
     assert f"written: {tmp_path / 'cli_coverage.png'}\n" in covered
     assert (tmp_path / "cli_coverage.png").stat().st_size > 10_000
+    with Database.open(file) as opened:
+        found = Coverage.of(opened, 0.1)
+    for name, value in json.loads(run("coverage", str(file), "--voxel", "0.1", "--json")).items():
+        assert json_data(getattr(found, name)) == value
 
 
 @pytest.mark.parametrize("width", [80, 60])
 def test_table_of_configurations_fits(width: int) -> None:
     found = Configurations(
-        np.full((2, 9), -math.pi), np.full((2, 3), -9.999), np.full((2, 3), -1.0), np.full(2, 0.05), np.arange(2)
+        tuple(f"joint_{i}" for i in range(1, 10)),
+        np.full((2, 9), -math.pi),
+        np.full((2, 3), -9.999),
+        np.full((2, 3), -1.0),
+        np.full(2, 0.05),
+        np.arange(2),
     )
-    lines = configurations_table(found, [f"joint_{i}" for i in range(1, 10)], width).drawn(width).splitlines()
+    lines = configurations_table(found, width).drawn(width).splitlines()
     assert max(map(len, lines)) <= width
     text = "\n".join(lines)
     assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)

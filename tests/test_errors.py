@@ -78,6 +78,10 @@ def test_an_error_crosses_from_a_worker_process() -> None:
     [
         ("spher", ["can", "sphere"], "Did you mean sphere?"),
         ("xyz", ["can", "sphere"], "Known: can, sphere"),
+        ("xyz", list("abcdefghijkl"), "Known: a, b, c, d, e, f, g, h, i, j, k, l"),
+        ("xyz", list("mlkjihgfedcba"), "Known: a, b, c, d, e, f, g, h, i, j, k, l, ..."),
+        ("xyz", ["elbow", "elbow", "base"], "Known: base, elbow"),
+        ("elbo", ["elbow", "elbow", "base"], "Did you mean elbow?"),
         ("xyz", [], "None is defined"),
         (3, {"can": 1}, "Known: can"),
         (None, ("can",), "Known: can"),

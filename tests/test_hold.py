@@ -371,6 +371,13 @@ def test_command_line(
     code, output = run("--grasp", "3")
     assert code == 2
     assert "--grasp: no grasp 3: there are 2, numbered from 1" in output
+    code, output = run("--grasp", "1", "--best", "1")
+    assert code == 2
+    assert "--grasp: is given with --best. Give one of them" in output
+    monkeypatch.setattr(pinograsp, "hold_test", lambda *_, **__: ())  # Ctrl-C before the first outcome
+    code, output = run()
+    assert code == 130
+    assert output == "interrupted before the first outcome: nothing is known of any grasp\n"
     code, output = run("--film")
     assert code == 2
     assert "--film: is a file to write. Give its folder with --out" in output

@@ -168,3 +168,9 @@ def test_no_colour_of_its_own(grasp: Grasp) -> None:
     result = Result(grasp.setup, (grasp,), 1, {"converged": 1}, 1, 0, {})
     for html in (shown._repr_html_() for shown in (result, grasp, ConfigurationCheck(grasp, ()))):
         assert not re.search(r"color(?!: inherit)|background|#[0-9a-f]{3}|class=|src=|href=|<script", html)
+
+
+def test_a_depth_that_is_not_known_is_an_overlap() -> None:
+    figure = Figure("pad clearance", -math.inf, 0.0, "m", "at least", "left")
+    assert figure.shown_value == "overlap"
+    assert repr(Certificate((figure,))) == "<Certificate: refuted by pad clearance overlap (≥ 0 mm)>"

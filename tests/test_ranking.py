@@ -328,6 +328,8 @@ def test_what_is_no_name_is_refused(setup: Setup) -> None:
             result.ranked(by=by)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"criteria: a list of names is wanted, not 'clearance'. Give \['clearance'\]"):
         result.pareto("clearance")
+    with pytest.raises(InputError, match=r"Give \['U', 'clearance'\]$"):
+        result.pareto("U, clearance")
 
 
 # The Pareto front.

@@ -22,9 +22,13 @@ from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_js
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
 from pinograsp.descriptions.model import FileRoot
 from pinograsp.frozen import Record
+from pinograsp.planning.attempt import Attempt
+from pinograsp.planning.outcomes import Run, blocked
+from pinograsp.problem.constraint import Violation
 from pinograsp.results import FORMAT_VERSION, Blocked, Contact, Cost, Grasp, Setup, merge
 from pinograsp.results.provenance import provenance
 from pinograsp.results.table import grasp_table, outcome_lines
+from pinograsp.solve.local import Solution
 from pinograsp.verification import Certificate, Figure
 
 
@@ -546,7 +550,7 @@ def pose(x: float) -> Any:
 
 
 def test_words_about_the_starts(setup: Setup) -> None:
-    blocked = {"forces": Blocked(1, 0.5, "", ""), "enclosure": Blocked(6, 20.71, "mm", "finger - wall")}
+    blocked = {"forces": Blocked(1, 0.5, "", ""), "enclosure": Blocked(6, 0.02071, "m", "finger - wall")}
     counts = {"converged": 2, "feasible": 1, "infeasible": 7, "failed": 0}
     lines = outcome_lines(Result(setup, (), 12, counts, 2, 1, blocked, True))
     assert lines == [
@@ -556,3 +560,40 @@ def test_words_about_the_starts(setup: Setup) -> None:
         "blocked by enclosure: 6 starts, nearest miss 20.7 mm (finger - wall)",
         "blocked by forces: 1 starts, nearest miss 0.5",
     ]
+
+
+@pytest.mark.parametrize(
+    ("found", "rows", "said"),
+    [
+        (12, 100, ""),
+        (5, 100, "only 5 of 12 starts were found: the database has no more configuration that suits the task"),
+        (
+            0,
+            100,
+            "no start was found: the database has no configuration that suits the task and has the wrist within 0.3",
+        ),
+        (0, 0, "no start was found: the database is empty"),
+    ],
+)
+def test_a_result_says_why_there_were_few_starts(setup: Setup, found: int, rows: int, said: str) -> None:
+    run = Run(setup, {}, 12, ("odd",))
+    run.count_starts(found, rows, 0.3)
+    first, *others = run.result(()).warnings
+    assert first == "odd"
+    assert [other.startswith(said) for other in others] == ([True] if said else [])
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"), [(20.0, "mm", (0.02, "m")), (180.0, "deg", (math.pi, "rad")), (3.0, "N", (3.0, "N"))]
+)
+def test_misses_are_in_si(value: float, unit: str, expected: tuple[float, str]) -> None:
+    solution = Solution(0, "infeasible", (), np.zeros(1), (Violation("k", value, unit, "w", 1.0),), 0, 0.0)
+    found = blocked([Attempt(solution)])["k"]
+    assert (found.nearest_miss, found.unit) == (pytest.approx(expected[0]), expected[1])
+
+
+def test_a_result_is_its_grasps(result: Result) -> None:
+    assert len(result) == len(result.grasps) > 0
+    assert tuple(result) == result.grasps
+    assert next(iter(result)) is result.best
+    assert not dataclasses.replace(result, grasps=())

@@ -421,6 +421,12 @@ def test_another_working_directory(elsewhere: Path, run: Run, result: Result) ->
     code, output, errors = run("home/result.json")
     assert (code, errors) == (0, "")
     assert output == f"{len(result.grasps)} grasps recomputed: every certificate stands\n"
+    moved = read_json(elsewhere / "result.json")
+    nothing = dataclasses.replace(moved, grasps=(), verified=0, refuted=0, counts={}, blocked={})
+    write_json(nothing, elsewhere / "none.json")
+    code, output, _ = run("home/none.json")
+    said = "the result has no grasp, so no certificate was recomputed; the rest of it stands\n"
+    assert (code, output) == (0, said)
 
 
 def test_a_mesh_that_was_changed(elsewhere: Path) -> None:

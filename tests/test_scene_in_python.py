@@ -497,3 +497,34 @@ def test_a_notebook_shows_bodies_and_tasks() -> None:
     assert "|can|object|cylinder, radius 0.0423, height 0.118|(0.997, 0.02, -0.178)|" in text
     assert "|lamp|obstacle|box, size (0.1, 0.2, 0.3)|(0, 0, 0)|" in text
     assert "|can_region|can|(0, 0, -2)|0.9|" in text
+
+
+def test_parts_taken_away() -> None:
+    scene = load_scene("glovebox")
+    post = Body(shape=Sphere(radius=0.01), pose=Pose(position=(0.3, 0.2, 0.1)))
+    assert scene.with_obstacle("post", post).without_obstacle("post") == scene
+    assert scene.with_object("post", Object(shape=Sphere(radius=0.01))).without_object("post") == scene
+    assert scene.with_task("again", scene.task("sphere")).without_task("again") == scene
+    held = scene.task("sphere").object
+    with pytest.raises(InputError, match=rf"^objects\.{held}: task 'sphere' is about it\. Take that away first"):
+        scene.without_object(held)
+    assert held not in scene.without_task("sphere").without_object(held).objects
+
+
+@pytest.mark.parametrize("what", ["object", "obstacle", "task"])
+def test_what_is_not_there_cannot_be_taken_away(what: str) -> None:
+    scene = load_scene("glovebox")
+    with pytest.raises(UnknownNameError, match=rf"{what}s: no {what} 'nothing' in this scene"):
+        getattr(scene, f"without_{what}")("nothing")
+
+
+def test_the_page_about_scenes_runs() -> None:
+    """Its Python, in the order of the page; what it shows from a file has tests of its own."""
+    page = (Path(__file__).parents[1] / "docs" / "howto" / "scene_in_python.md").read_text()
+    known: dict[str, Any] = {}
+    for block in re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL):
+        if "--8<--" not in block:
+            exec(block, known)
+    turned = known["turned"]
+    np.testing.assert_allclose(turned.rpy, (0.0, 0.0, math.pi / 4), atol=1e-7)
+    assert turned.position == (0.5, 0.0, 0.035)

@@ -313,11 +313,11 @@ def test_a_configuration_that_is_no_grasp_says_why(planner: Planner, grasp: pino
     [
         (lambda q: q | {"joint_9": 0.0}, "there is no joint 'joint_9'"),
         (lambda q: {name: value for name, value in q.items() if name != "joint_2"}, "no value is given for 'joint_2'"),
-        (lambda q: q | {"joint_2": float("nan")}, "^q.joint_2: must be a finite number, not nan"),
-        (lambda q: q | {"joint_2": True}, "^q.joint_2: must be a number, not True"),
-        (lambda q: [0.0, 1.0], r"^q: has shape \(2,\), not \(8,\)\. Give joint_1"),
-        (lambda q: q | {"joint_2": "half"}, "^q.joint_2: must be a number, not 'half'"),
-        (lambda q: None, r"^q: has shape \(\)"),
+        (lambda q: q | {"joint_2": float("nan")}, "^joints.joint_2: must be a finite number, not nan"),
+        (lambda q: q | {"joint_2": True}, "^joints.joint_2: must be a number, not True"),
+        (lambda q: [0.0, 1.0], r"^joints: has shape \(2,\), not \(8,\)\. Give joint_1"),
+        (lambda q: q | {"joint_2": "half"}, "^joints.joint_2: must be a number, not 'half'"),
+        (lambda q: None, r"^joints: has shape \(\)"),
     ],
 )
 def test_a_configuration_that_cannot_be_read(

@@ -11,6 +11,7 @@ def main(starts: int = 1304) -> None:
 
     best = result.best
     if best is None:  # no start led to a grasp: the result says why
+        print(*result.warnings, sep="\n")
         for kind, blocked in result.blocked.items():
             print(f"{kind}: {blocked.starts} starts, nearest miss {blocked.nearest_miss:.3g} {blocked.unit}")
         return
@@ -22,7 +23,7 @@ def main(starts: int = 1304) -> None:
     for contact in best.contacts:
         print(f"{contact.pad}: at {contact.point.round(4)} m, force {contact.force.round(3)} N")
     for figure in best.certificate.figures:
-        print(f"{figure.name:20} {figure.value: .2e} {figure.unit} ({figure.sense} {figure.limit:.0e})")
+        print(f"{figure.name:20} {figure.shown_value:>14}  {figure.shown_limit}")
 
     pinograsp.write_json(result, "glovebox_sphere.json")
     pinograsp.visualization.write_html(result, "glovebox_sphere.html")

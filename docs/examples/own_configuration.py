@@ -17,9 +17,7 @@ def main(starts: int = 24) -> None:
     found = pinograsp.check(robot, scene, "sphere", joints)
     print("a grasp" if found.verified else "no grasp")
     for figure in found.certificate.refuted_by:
-        print(
-            f"{figure.name}: {figure.value:.3g} {figure.unit}, wanted {figure.sense} {figure.limit:.3g} {figure.where}"
-        )
+        print(f"{figure.name}: {figure.shown_value}, wanted {figure.shown_limit} {figure.where}")
     for pair in found.clearances[:5]:  # the least first
         print(f"{pair.link} - {pair.other}: {1e3 * pair.distance:.1f} mm")
     print(f"joint reserve: {found.certificate['joint reserve'].value:.3f} rad")

@@ -135,7 +135,7 @@ def _report(found: pinograsp.Assessment, number: int, result: pinograsp.Result, 
         count = found.off_region
         terminal.say(f"{count} of {found.done} samples touch the object where contact is not allowed")
     if found.worst is not None:
-        terminal.say(_worst(found.worst))
+        terminal.paragraph(_worst(found.worst))
     if not found.without_errors.holds:
         terminal.say(f"it fails without errors, too: {found.without_errors.reason}")
     if found.margins:

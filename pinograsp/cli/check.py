@@ -67,7 +67,7 @@ def check(
         model = read_robot(robot)
         name = model.description.name
         planner = pinograsp.Planner(model, described, workers=1, progress=progress)
-        with planner, as_options({"q": "--joints"}):
+        with planner, as_options({"joints": "--joints"}):
             found = planner.check(task, values)
     content = {"robot": name, "scene": described.name, "task": task, **found.to_json()}
     saved = [] if out is None else list(_saved(found, content, out))

@@ -10,6 +10,7 @@ import typer
 
 import pinograsp
 
+from ..frozen import json_data
 from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
@@ -101,7 +102,7 @@ def build(
         raise typer.Exit(INTERRUPTED) from None
     terminal.find(lambda: facts, lambda: terminal.say(f"{facts['rows']:,} configurations in {file}"))
     if not facts["rows"]:
-        drawn = facts["samples drawn"]
+        drawn = facts["samples_drawn"]
         terminal.warn(
             f"none of {drawn:,} random configurations is free of collision: check mounting, enclosure and margins"
         )
@@ -146,10 +147,7 @@ def query(
             found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)
         else:
             found = pinograsp.configurations_near(opened, np.array(center), radius, cone=directions, limit=count)
-        names = opened.joints()
-    terminal.find(
-        lambda: _document(found, names), lambda: terminal.table(configurations_table(found, names, terminal.width))
-    )
+    terminal.find(found.to_json, lambda: terminal.table(configurations_table(found, terminal.width)))
     if not len(found):
         raise typer.Exit(NOTHING_FOUND)
 
@@ -173,21 +171,12 @@ def coverage(
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         progress(Progress("counting voxels", 0))
         found = pinograsp.Coverage.of(opened, **given(voxel=voxel))
-        rows = opened.rows()
-    title = f"{rows:,} configurations in {file.name}"
-    often = found.directions[found.counts > 0]
-    mean = float(often.mean()) if often.size else 0.0
-    document = {
-        "rows": rows,
-        "voxel": found.voxel,
-        "origin": found.origin.tolist(),
-        "voxels": int(found.counts.size),
-        "reached": found.reached,
-        "mean_directions": mean,
-    }
+    title = f"{found.rows:,} configurations in {file.name}"
+    shown = ("rows", "voxel", "origin", "voxels", "reached", "mean_directions")
+    document = {name: json_data(getattr(found, name)) for name in shown}
     line = (
-        f"{title}: the wrist reaches {100 * found.reached:.0f} % of the {found.counts.size} voxels of "
-        f"{1e3 * found.voxel:.0f} mm, a reached one from {mean:.1f} of 24 directions on average "
+        f"{title}: the wrist reaches {100 * found.reached:.0f} % of the {found.voxels} voxels of "
+        f"{1e3 * found.voxel:.0f} mm, a reached one from {found.mean_directions:.1f} of 24 directions on average "
         "(a larger database may find more)"
     )
     terminal.find(lambda: document, lambda: terminal.say(line))
@@ -232,16 +221,11 @@ def _say(facts: dict[str, Any], terminal: Terminal, before: str = "") -> None:
             terminal.say(f"{before}{name}: {text}")
 
 
-def _document(found: Configurations, names: list[str]) -> dict[str, Any]:
-    arrays = ("q", "positions", "approaches", "clearances", "samples")
-    return {"joints": names, **{name: getattr(found, name).tolist() for name in arrays}}
-
-
-def configurations_table(found: Configurations, names: list[str], width: int) -> Table:
+def configurations_table(found: Configurations, width: int) -> Table:
     """Return a table of configurations; angles for which a line has no room follow in the next one."""
     from ..results.table import angle_lines
 
-    table = Table(f"{len(found)} configurations; arm joints {', '.join(names)}")
+    table = Table(f"{len(found)} configurations; arm joints {', '.join(found.joints)}")
     table.numbers("wrist\nmm", "approach\n", "clear\nmm")
     table.lines(" arm joints\n °")
     taken = 17 + 17 + 5 + 3 * GAP

@@ -21,6 +21,8 @@ from .inputs import grasp_of
 from .terminal import Terminal
 
 NOT_HELD = 1
+BEST = 20
+"""Grasps that are tested where nothing else is asked for."""
 
 
 def register(app: typer.Typer) -> None:
@@ -35,7 +37,9 @@ def register(app: typer.Typer) -> None:
 
 def hold(
     file: arguments.ResultFile,
-    best: Annotated[int, typer.Option(min=1, help="How many grasps, from the best on.")] = 20,
+    best: Annotated[
+        int | None, typer.Option(min=1, help="How many grasps, from the best on.", show_default=str(BEST))
+    ] = None,
     grasp: Annotated[
         int | None, typer.Option(min=1, metavar="NUMBER", help="The one grasp to test, by its number, from 1.")
     ] = None,
@@ -61,6 +65,8 @@ def hold(
     terminal = Terminal(as_json, quiet)
     with as_options({"acceleration": "--acceleration", "spin": "--spin"}):
         options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    if best is not None and grasp is not None:
+        raise pinograsp.InputError("is given with --best", key="--grasp", remedy="Give one of them")
     if (mjcf or film) and out is None:
         key = "--mjcf" if mjcf else "--film"
         raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
@@ -95,17 +101,20 @@ def hold(
 
 
 def _chosen(
-    result: pinograsp.Result, file: Path, best: int, number: int | None
+    result: pinograsp.Result, file: Path, best: int | None, number: int | None
 ) -> tuple[Sequence[pinograsp.Grasp], int]:
     """Return the grasps to test and the number of the first one."""
     if number is not None:
         return [grasp_of(result, number, file)], number
     if not result.grasps:
         raise pinograsp.InputError("holds no grasp", file=file)
-    return result.grasps[:best], 1
+    return result.grasps[: best or BEST], 1
 
 
 def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions, terminal: Terminal) -> None:
+    if not outcomes:
+        terminal.say("interrupted before the first outcome: nothing is known of any grasp")
+        return
     terminal.table(_table(outcomes, options))
     for line in _lines(outcomes, options):
         terminal.say(line)
@@ -144,7 +153,7 @@ def _lines(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions) -> l
     for link in sorted({link for outcome in outcomes for link in outcome.touching}):
         touched = [str(outcome.grasp) for outcome in outcomes if link in outcome.touching]
         lines.append(f"{link} touches the object other than with a pad: grasp {', '.join(touched)}")
-    for name in outcomes[0].controls if outcomes else ():
+    for name in outcomes[0].controls:
         holding = [str(outcome.grasp) for outcome in outcomes if outcome.controls[name]]
         said = f"holds with grasp {', '.join(holding)}: the test proves nothing" if holding else "drops every object"
         lines.append(f"control with {name}: {said}")

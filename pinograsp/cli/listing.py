@@ -56,6 +56,6 @@ def _content() -> dict[str, list[dict[str, Any]]]:
 
 def _report(content: dict[str, list[dict[str, Any]]], terminal: Terminal) -> None:
     for robot in content["robots"]:
-        terminal.say(f"robot {robot['name']}: {robot['description']}")
+        terminal.paragraph(f"robot {robot['name']}: {robot['description']}")
     for scene in content["scenes"]:
-        terminal.say(f"scene {scene['name']}: {scene['description']}; tasks: {', '.join(scene['tasks'])}")
+        terminal.paragraph(f"scene {scene['name']}: {scene['description']}; tasks: {', '.join(scene['tasks'])}")

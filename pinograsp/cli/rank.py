@@ -64,6 +64,10 @@ def rank(
     terminal = Terminal(as_json, quiet)
     result = pinograsp.read_json(file)
     criteria = _names(pareto or ())
+    if pareto and not criteria:
+        raise pinograsp.InputError(
+            "no criterion is named", key="--pareto", remedy=f"Known: {ORDERS.removeprefix('score, ')}"
+        )
     with as_options({"by": "--by", "criteria": "--pareto"}):
         listed = _listed(result, by, criteria, None if every else different)
     terminal.find(

@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -48,6 +49,14 @@ class Terminal:
         """Write a line, in one piece however long it is: part of a finding, or what became of a file."""
         if not self._quiet:
             _write(line, error=self._as_json)
+
+    def paragraph(self, text: str) -> None:
+        """Write a line; on a terminal in as many as it needs, the further ones indented, and never broken in a word."""
+        if _is_terminal(sys.stdout):
+            text = textwrap.fill(
+                text, self.width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+            )
+        self.say(text)
 
     def table(self, table: Table) -> None:
         """Write a table as wide as the terminal, or as wide as its numbers need."""

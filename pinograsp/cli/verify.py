@@ -33,7 +33,7 @@ def verify(
 
     Nothing but its file is used, and the URDF and meshes that the robot names; what differs is listed.
 
-    Exit codes: 0 every certificate stands, 1 something differs.
+    Exit codes: 0 every certificate stands (or there is none), 1 something differs.
     """
     terminal = Terminal(as_json, quiet)
     result = pinograsp.read_json(file)
@@ -59,5 +59,7 @@ def _report(count: int, found: Sequence[pinograsp.Difference], terminal: Termina
     if found:
         differences = f"{len(found)} {'difference' if len(found) == 1 else 'differences'}"
         terminal.say(typer.style(f"{grasps}: {differences}", bold=True, fg="red"))
-    else:
+    elif count:
         terminal.say(f"{grasps}: every certificate stands")
+    else:
+        terminal.say("the result has no grasp, so no certificate was recomputed; the rest of it stands")

@@ -58,6 +58,22 @@ class Coverage(Record):
         return cls(origin, voxel, counts, directions)
 
     @property
+    def rows(self) -> int:
+        """Number of configurations."""
+        return int(self.counts.sum())
+
+    @property
+    def voxels(self) -> int:
+        """Number of voxels."""
+        return self.counts.size
+
+    @property
+    def mean_directions(self) -> float:
+        """Mean number, no unit, of the approach directions of reached voxels; 0 if there is none."""
+        often = self.directions[self.counts > 0]
+        return float(often.mean()) if often.size else 0.0
+
+    @property
     def reached(self) -> float:
         """Share of the voxels that the wrist reaches."""
         return float((self.counts > 0).mean())

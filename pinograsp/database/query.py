@@ -42,8 +42,10 @@ Intervals = Mapping[str, Sequence[tuple[float, float]]]
 class Configurations(Record):
     """Rows of a database, from `configurations_near` or `spread_configurations`."""
 
+    joints: tuple[str, ...]
+    """Names of the l arm joints, in the order of the robot file."""
     q: Array
-    """Arm joints in the order of the robot file, rad (m), shape (N, l)."""
+    """Their values, rad (m), shape (N, l)."""
     positions: Array
     """Wrist positions, m, world, shape (N, 3)."""
     approaches: Array
@@ -190,6 +192,7 @@ def _fetch(database: Database, sql: str, values: dict[str, Any]) -> Configuratio
 
     angles = [name for name in columns if name.startswith("q")]
     return Configurations(
+        tuple(database.joints()),
         stacked(*angles),
         stacked("x", "y", "z"),
         stacked("ax", "ay", "az"),

@@ -123,7 +123,7 @@ class Database:
         identity = identity_of(self)
         return {
             "rows": self.rows(),
-            "samples drawn": int(drawn),
+            "samples_drawn": int(drawn),
             "batches": int(batches),
             "bytes": self.file.stat().st_size,
             **facts,

@@ -185,6 +185,23 @@ class Scene(FileRoot):
         """
         return self._with("objects", name, object)
 
+    def without_object(self, name: str) -> Self:
+        """Return the scene without one of its objects.
+
+        Args:
+            name: of the object.
+
+        Raises:
+            UnknownNameError: there is no object of this name.
+            InputError: a task is about it.
+        """
+        self._named("object", name, self.objects)
+        for task, content in self.tasks.items():
+            if content.object == name:
+                remedy = "Take that away first, with `without_task`"
+                raise InputError(f"task {task!r} is about it", key=f"objects.{name}", remedy=remedy)
+        return self._without("object", name, self.objects)
+
     def with_obstacle(self, name: str, body: Body) -> Self:
         """Return the scene with an obstacle more, or with another one of a name.
 
@@ -196,6 +213,28 @@ class Scene(FileRoot):
             InputError: an object has this name, or it is no body.
         """
         return self._with("obstacles", name, body)
+
+    def without_obstacle(self, name: str) -> Self:
+        """Return the scene without one of its obstacles.
+
+        Args:
+            name: of the obstacle.
+
+        Raises:
+            UnknownNameError: there is no obstacle of this name.
+        """
+        return self._without("obstacle", name, self.obstacles)
+
+    def without_task(self, name: str) -> Self:
+        """Return the scene without one of its tasks.
+
+        Args:
+            name: of the task.
+
+        Raises:
+            UnknownNameError: there is no task of this name.
+        """
+        return self._without("task", name, self.tasks)
 
     def with_task(self, name: str, task: Task | None = None, **changes: Any) -> Self:
         """Return the scene with a task more, or with another one of a name.
@@ -242,3 +281,7 @@ class Scene(FileRoot):
     def _with(self, table: str, name: str, part: object) -> Self:
         require_kind("name", name, str)
         return self.model_copy(update={table: {**getattr(self, table), name: part}})
+
+    def _without(self, what: str, name: str, table: Mapping[str, Part]) -> Self:
+        self._named(what, name, table)
+        return self.model_copy(update={f"{what}s": {other: part for other, part in table.items() if other != name}})

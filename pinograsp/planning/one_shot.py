@@ -39,13 +39,13 @@ def plan(
         robot: from `load_robot`; it is mounted where the scene says.
         scene: from `load_scene`.
         task: name of a task of the scene.
-        starts: number of starts.
+        starts: number of starts; by default 1304, as in the paper.
         workers: number of processes; None: one for each core.
         executor: takes their place: any `concurrent.futures.Executor` of processes.
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called as the work goes on, stage by stage; see `Planner`.
+        progress: called as the work goes on, stage by stage (see `Planner`); by default nothing is.
 
     Raises:
         InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
@@ -63,7 +63,7 @@ def plan(
         return planner.plan(task, starts=starts, seed=seed)
 
 
-def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> ConfigurationCheck:
+def check(robot: Robot, scene: Scene, task: str, joints: Configuration) -> ConfigurationCheck:
     """Check a configuration of the user's own: `Planner.check`, which is quicker for who checks many.
 
     Pads and object are taken to touch where they are nearest to it, with the best contact forces (8) there. The
@@ -73,7 +73,7 @@ def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> Configurat
         robot: from `load_robot`; it is mounted where the scene says.
         scene: from `load_scene`.
         task: name of a task of the scene: its object, margins and pads count.
-        q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+        joints: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
             synergies in the order of the robot file, shape (l + s,); rad (m).
 
     Returns:
@@ -83,4 +83,4 @@ def check(robot: Robot, scene: Scene, task: str, q: Configuration) -> Configurat
         InputError: there is no such task, or a value is missing, unknown or not finite.
     """
     with Planner(robot, scene) as planner:
-        return planner.check(task, q)
+        return planner.check(task, joints)

@@ -14,6 +14,7 @@ from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
+from ..units import in_si
 from ..verification.resistance import Q_FORCE
 from .attempt import Attempt
 
@@ -26,7 +27,7 @@ class Run:
     files: Hashes
     """Of the robot when it was loaded."""
     starts: int
-    warnings: Sequence[str] = ()
+    warnings: tuple[str, ...] = ()
     attempts: list[Attempt] = field(default_factory=list)
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage."""
@@ -39,6 +40,23 @@ class Run:
         costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
         best = {"best U": min(costs)} if costs else {}
         return Progress("starts", len(self.attempts), total, {"verified": len(costs), **best})
+
+    def count_starts(self, found: int, rows: int, radius: float) -> None:
+        """Warn where fewer starts were found than asked for.
+
+        Args:
+            found: number of them.
+            rows: of the database where they were looked for.
+            radius: of the region around the object where they were looked for, m.
+        """
+        if found == self.starts:
+            return
+        few = f"only {found} of {self.starts} starts were found" if found else "no start was found"
+        reason = f"the database has no {'more ' if found else ''}configuration that suits the task and has the wrist "
+        reason += f"within {radius:g} m (start_radius) of the object"
+        if not rows:
+            reason = "the database is empty: the arm keeps its margins from walls, obstacles and itself nowhere"
+        self.warnings += (f"{few}: {reason}",)
 
     def distinct(self) -> tuple[Grasp, ...]:
         """Return the grasps that were found, near-identical ones as one."""
@@ -61,7 +79,7 @@ class Run:
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
-            warnings=tuple(self.warnings),
+            warnings=self.warnings,
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
@@ -114,4 +132,4 @@ def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
     worst = attempt.solution.worst
     if worst is None:
         return "solver failure", 0.0, "", attempt.solution.message
-    return worst.name, worst.value, worst.unit, worst.where
+    return worst.name, *in_si(worst.value, worst.unit), worst.where

@@ -60,18 +60,18 @@ def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     names = robot.posture_names
     if not isinstance(q, Mapping):
         try:
-            return real_array("q", q, len(names)), {}
+            return real_array("joints", q, len(names)), {}
         except InputError as error:
-            raise InputError(error.problem, key="q", remedy=f"Give {', '.join(names)}") from None
+            raise InputError(error.problem, key="joints", remedy=f"Give {', '.join(names)}") from None
     known = [*names, *robot.joint_names]
     for name in q:
         if name not in known:
-            raise UnknownNameError(f"there is no joint {name!r}", key="q", remedy=close_names(name, known))
-    numbers = {name: real_number(f"q.{name}", value) for name, value in q.items()}
+            raise UnknownNameError(f"there is no joint {name!r}", key="joints", remedy=close_names(name, known))
+    numbers = {name: real_number(f"joints.{name}", value) for name, value in q.items()}
     given = {name: value for name, value in numbers.items() if name in robot.joint_names}
     values = _synergies(robot, given) | numbers
     if missing := [name for name in names if name not in values]:
-        raise InputError(f"no value is given for {missing[0]!r}", key="q", remedy=f"Give {', '.join(missing)}")
+        raise InputError(f"no value is given for {missing[0]!r}", key="joints", remedy=f"Give {', '.join(missing)}")
     return np.array([values[name] for name in names]), given
 
 

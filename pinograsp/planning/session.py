@@ -131,7 +131,7 @@ class Planner:
 
         Args:
             task: name of a task of the scene.
-            starts: number of starts.
+            starts: number of starts; by default 1304, as in the paper.
             seed: of the choice of starts.
 
         Raises:
@@ -142,7 +142,8 @@ class Planner:
         began = time.perf_counter()
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
-        run = Run(Setup(self._robot.description, self._scene, task), self._robot.files, starts, check_task(model))
+        setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
+        run = Run(setup, self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
         self._evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -152,7 +153,9 @@ class Planner:
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
             identity = identity_of(database).digest
-            run.facts["database"] = {"file": str(database.file), "rows": database.rows(), "identity": identity}
+            rows = database.rows()
+            run.facts["database"] = {"file": str(database.file), "rows": rows, "identity": identity}
+            run.count_starts(len(postures), rows, model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
@@ -223,12 +226,12 @@ class Planner:
         self._scene = self._scene.with_object_pose(name, there)
         self._models = {task: model.moved(name, self._scene) for task, model in self._models.items()}
 
-    def check(self, task: str, q: Configuration) -> ConfigurationCheck:
+    def check(self, task: str, joints: Configuration) -> ConfigurationCheck:
         """Check a configuration of the user's own: certificate figures, clearances by pair, and a grasp to draw.
 
         Args:
             task: name of a task of the scene: its object, margins and pads count.
-            q: values by name, of every arm joint and synergy at least (the `joints` of a grasp do); or arm joints and
+            joints: values by name, of every arm joint and synergy at least (those of a grasp do); or arm joints and
                 synergies in the order of the robot file, shape (l + s,); rad (m).
 
         Raises:
@@ -236,7 +239,7 @@ class Planner:
         """
         model = self._model(task)
         with compiling(self._report):
-            return checked(model, verifier_of(model), q)
+            return checked(model, verifier_of(model), joints)
 
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up

@@ -178,7 +178,7 @@ def criterion_of(name: str, grasps: Iterable[Grasp], further: tuple[str, ...] = 
         return known
     figures = {figure.name: figure for grasp in grasps for figure in grasp.certificate.figures}
     if name not in figures:
-        names = sorted({*further, *BY_NAME, *ALIASES, *figures})
+        names = [*further, *BY_NAME, *figures]
         problem = f"no criterion and no figure is called {name!r}"
         raise UnknownNameError(problem, key=key, remedy=close_names(name, names))
     figure = figures[name]

@@ -26,7 +26,8 @@ def result_html(result: Result) -> str:
     headings = ["", "found", *(f"{criterion.heading} {criterion.shown_unit}".strip() for criterion in columns())]
     rows = [notebook.row(cells) for cells in grasp_rows(result)]
     listed = notebook.table(caption, rows, headings)
-    return listed + notebook.table("Starts", [notebook.row([line]) for line in outcome_lines(result)])
+    lines = [*(f"warning: {warning}" for warning in result.warnings), *outcome_lines(result)]
+    return listed + notebook.table("Starts", [notebook.row([line]) for line in lines])
 
 
 def grasp_rows(result: Result, by: str = SCORE) -> list[list[str]]:

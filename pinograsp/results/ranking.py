@@ -95,7 +95,8 @@ def pareto_front(grasps: Sequence[Grasp], criteria: Sequence[str] = FRONT) -> tu
     """
     require_kind("criteria", criteria, Sequence)
     if isinstance(criteria, str):  # a sequence, too, but of letters
-        raise InputError(f"a list of names is wanted, not {criteria!r}", key="criteria", remedy=f"Give [{criteria!r}]")
+        names = [name.strip() for name in criteria.split(",")]
+        raise InputError(f"a list of names is wanted, not {criteria!r}", key="criteria", remedy=f"Give {names}")
     default = ordered(grasps)
     if not default or not criteria:
         return default

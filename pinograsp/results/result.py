@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,7 +27,7 @@ class Blocked(Record):
     nearest_miss: float
     """Least violation among them, in `unit`."""
     unit: str
-    """As the constraint reports it, such as "mm"; empty for a pure number."""
+    """SI, angles in radians; empty for a pure number."""
     where: str
     """Bodies, pad or figure of the nearest miss."""
 
@@ -41,7 +41,7 @@ class Result(Record):
     setup: Setup = field(repr=False)
     """Robot, scene and task; each of the grasps gets this object too."""
     grasps: tuple[Grasp, ...]
-    """In the default order (`results/ranking.py`)."""
+    """In the default order, that of `ranked()`: the best first."""
     starts: int
     """Starts asked for."""
     counts: Mapping[str, int]
@@ -59,7 +59,7 @@ class Result(Record):
     provenance: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
-    """Sentences about what is odd about the task."""
+    """Sentences about what is odd about the task, and about why there were fewer starts than asked for."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 
@@ -93,6 +93,14 @@ class Result(Record):
     def done(self) -> int:
         """Number of starts that were solved."""
         return sum(self.counts.values())
+
+    def __len__(self) -> int:
+        """Return the number of grasps: a result without any is false."""
+        return len(self.grasps)
+
+    def __iter__(self) -> Iterator[Grasp]:
+        """Iterate over the grasps, the best first."""
+        return iter(self.grasps)
 
     def number_of(self, grasp: Grasp) -> int:
         """Return the number of one of the grasps, its place in `grasps`, from 1: tables and files name it by that.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..tables import GAP, Table
+from ..units import shown_in
 from ..verification.certificate import Figure, PairClearance
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .grasp import Contact, Grasp
@@ -125,15 +126,15 @@ def outcome_lines(result: Result) -> list[str]:
     share = f" ({100 * result.verified / result.done:.1f} %)" if result.done else ""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in result.counts.items() if count)
     lines = [f"{result.verified} of {result.done} starts verified{share}; solver: {outcomes or 'no start'}"]
-    if result.done < result.starts:
-        reason = "interrupted" if result.interrupted else "no more collision-free starts near the object were found"
-        lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: {reason}")
+    if result.interrupted and result.done < result.starts:
+        lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: interrupted")
     elif result.interrupted:
         lines.append("interrupted: the resistance of some grasps is not known")
     if result.refuted:
         lines.append(f"{result.refuted} starts feasible for the solver, refuted by the independent check")
     for kind, blocked in sorted(result.blocked.items(), key=lambda item: -item[1].starts):
-        miss = f"{blocked.nearest_miss:.3g} {blocked.unit}".strip()
+        scale, unit = shown_in(blocked.unit)
+        miss = f"{scale * blocked.nearest_miss:.3g} {unit}".strip()
         where = f" ({blocked.where})" if blocked.where else ""
         lines.append(f"blocked by {kind}: {blocked.starts} starts, nearest miss {miss}{where}")
     return lines

@@ -43,7 +43,9 @@ class Figure(Record):
 
     @property
     def shown_value(self) -> str:
-        """The value in the unit in which tables show it, such as "31.2 mm"."""
+        """The value in the unit in which tables show it, such as "31.2 mm"; "overlap" where no exact depth is known."""
+        if self.unit == "m" and self.value == -math.inf:
+            return "overlap"
         scale, unit = shown_in(self.unit)
         return f"{scale * self.value:.3g} {unit}".rstrip()
 
