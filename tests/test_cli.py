@@ -422,3 +422,36 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     assert result.best is not None
     assert 0 < result.done < CTRL_C_STARTS
     assert f"{CTRL_C_STARTS - result.done} of {CTRL_C_STARTS} starts not tried: interrupted" in said
+
+
+CTRL_C_WITHIN_AN_IMPORT = """
+import os, signal, sys
+from pinograsp import cli
+
+class Presser:
+    module = sys.argv.pop(1)
+
+    def find_spec(self, name, path=None, target=None):
+        if name == self.module:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Presser())
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("module", ["numpy", "pinocchio.utils", "scipy.sparse.csgraph", "scipy.sparse.csgraph._tools"])
+def test_ctrl_c_within_an_import_is_not_lost(module: str, tmp_path: Path) -> None:
+    """Compiled modules drop what a module raises that they import: SciPy's k-d tree that of `csgraph`."""
+    command = ("plan", "glovebox", "--task", "sphere", "--starts", "1", "--workers", "1")
+    done = subprocess.run(
+        [sys.executable, "-c", CTRL_C_WITHIN_AN_IMPORT, module, *command],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 130, done.stderr
+    assert done.stderr == "error: interrupted\n"
+    assert list((tmp_path / "out").glob("*")) == []
