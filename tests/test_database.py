@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -410,3 +411,15 @@ def test_ctrl_c_in_a_query() -> None:
         connection.execute(query)
     with pytest.raises(RuntimeError, match="another"), interruptible():
         raise RuntimeError("another")
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        raise duckdb.InterruptException
+
+
+@pytest.mark.parametrize("select", [Database.select, Database.select_columns])
+def test_ctrl_c_in_a_query_of_a_database(select: Callable[[Database, str], object]) -> None:
+    """Of every database: plans, coverages and selections ask through these two."""
+    query = "SELECT sum(sqrt(a.range * b.range)) FROM range(1_000_000) AS a, range(1_000_000) AS b"
+    with Database(Path(), duckdb.connect()) as database:
+        threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            select(database, query)
