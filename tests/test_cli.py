@@ -17,6 +17,7 @@ import pytest
 
 import pinograsp
 from pinograsp import cli
+from pinograsp.cli.folders import file_name
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
@@ -245,6 +246,30 @@ def test_a_file_that_is_replaced_is_said_to_be(
         assert output.endswith(f"\n{done}: out/glovebox_sphere_gen3_2f85.json\n")
 
 
+def test_the_page_of_an_earlier_plan_does_not_stay(
+    run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Neither beside a result without grasps nor beside one whose page is not wanted."""
+    page, results = tmp_path / "out" / "glovebox_sphere_gen3_2f85.html", [planned]
+    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: results[-1])
+    plan = ("plan", "glovebox", "--task", "sphere")
+    for without in ((dataclasses.replace(planned, grasps=()), ()), (planned, ("--no-html",))):
+        results.append(planned)
+        run(*plan)
+        assert page.exists()
+        results.append(without[0])
+        _, output, _ = run(*plan, *without[1])
+        assert output.endswith("\nremoved: out/glovebox_sphere_gen3_2f85.html, of an earlier plan\n")
+        assert not page.exists()
+
+
+def test_a_name_of_the_longest_can_be_written(planned: pinograsp.Result, tmp_path: Path) -> None:
+    """Of scene, task and robot together, with what `hold` and `assess` add, and the folder of an unfinished file."""
+    file = tmp_path / file_name(64 * "s", 64 * "t", 64 * "r", "100", "assess", suffix="json")
+    pinograsp.write_json(planned, file)
+    assert file.exists()
+
+
 def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:
     # Fingers 60 mm above the floor cannot hold a sphere whose equator is 37 mm above it.
     (tmp_path / "scene.yaml").write_text(changed(SCENE, "{enclosure: 0.005", "{enclosure: 0.06"))
@@ -348,6 +373,7 @@ COMMAND_WITH_A_SIGN = """
 import sys
 from pathlib import Path
 from pinograsp import cli
+from pinograsp.cli.folders import file_name
 from pinograsp.cli.reporters import Lines
 
 STAGE = sys.argv.pop(1)
@@ -425,3 +451,37 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     assert result.best is not None
     assert 0 < result.done < CTRL_C_STARTS
     assert f"{CTRL_C_STARTS - result.done} of {CTRL_C_STARTS} starts not tried: interrupted" in said
+
+
+CTRL_C_WITHIN_AN_IMPORT = """
+import os, signal, sys
+from pinograsp import cli
+from pinograsp.cli.folders import file_name
+
+class Presser:
+    module = sys.argv.pop(1)
+
+    def find_spec(self, name, path=None, target=None):
+        if name == self.module:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Presser())
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("module", ["numpy", "pinocchio.utils", "scipy.sparse.csgraph", "scipy.sparse.csgraph._tools"])
+def test_ctrl_c_within_an_import_is_not_lost(module: str, tmp_path: Path) -> None:
+    """Compiled modules drop what a module raises that they import: SciPy's k-d tree that of `csgraph`."""
+    command = ("plan", "glovebox", "--task", "sphere", "--starts", "1", "--workers", "1")
+    done = subprocess.run(
+        [sys.executable, "-c", CTRL_C_WITHIN_AN_IMPORT, module, *command],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 130, done.stderr
+    assert done.stderr == "error: interrupted\n"
+    assert list((tmp_path / "out").glob("*")) == []

@@ -148,6 +148,9 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
     ("scene", "objects:\n", "obstacles:\nobjects:\n", "obstacles", "obstacles", ["block of keys"]),
     ("scene", "name: glovebox", "name: 3", "name", "name: 3", ["text", "3"]),
     ("scene", "name: glovebox", "name: a/b", "name", "a/b", ["slash"]),
+    ("scene", "name: glovebox", 'name: "a\\0b"', "name", "name:", ["U+0000"]),
+    ("scene", "name: glovebox", "name: " + 300 * "a", "name", "name:", ["300 bytes", "64 are allowed"]),
+    ("robot", "name: gen3_2f85", "name: a/b", "name", "a/b", ["slash"]),
     ("scene", "tasks:\n  sphere", "tasks:\n  1", "tasks.1", "  1:", ["text", "1"]),
     # values that contradict each other
     ("scene", "min: [0.0,", "min: [2.0,", "enclosure.min[0]", "min: [2.0", ["below", "along x"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import threading
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing
 from functools import partial
+from multiprocessing.context import ForkProcess
 from pathlib import Path
 from typing import Any
 
@@ -153,6 +155,25 @@ def test_an_idle_worker_that_dies_is_replaced(tmp_path: Path) -> None:
         list(workers.run(partial(squares, tmp_path / "log"), [0]))
         os.kill(int((tmp_path / "log").read_text().split("-")[0]), signal.SIGKILL)
         assert sorted(workers.run(squares, ITEMS)) == SQUARES
+
+
+def test_ctrl_c_while_processes_begin_leaves_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that no thread feeds would wait for ever, and this process for them when it ends."""
+    start, handler = ForkProcess.start, signal.getsignal(signal.SIGINT)
+
+    def interrupted(process: ForkProcess) -> None:
+        start(process)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(ForkProcess, "start", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt), Processes(2) as workers:
+            workers.begin()
+        assert multiprocessing.active_children() == []
+        assert signal.getsignal(signal.SIGINT) is handler
+    finally:
+        for child in multiprocessing.active_children():
+            child.kill()
 
 
 def killed() -> Callable[[int], int]:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from places import Place, changed, first_grasp, project, random_starts
 
+from pinograsp import Body, Box, Object, Pose, Sphere
 from pinograsp.descriptions import Scene
-from pinograsp.errors import InputError
+from pinograsp.errors import InputError, TaskError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
 from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, TaskModel, Violation, check_placement, check_task
@@ -71,6 +72,12 @@ def refused(robot: Robot, scene: Scene, key: str) -> InputError:
     return caught.value
 
 
+def refused_in_python(scene: Scene, task: str) -> TaskError:
+    with pytest.raises(TaskError) as caught:
+        check_placement(scene, task)
+    return caught.value
+
+
 def test_the_shipped_task_is_accepted(sphere_task: TaskModel) -> None:
     check_placement(sphere_task.scene, "sphere")
     check_task(sphere_task)
@@ -82,6 +89,43 @@ def test_object_outside_the_enclosure(gen3: Robot, glovebox: Scene) -> None:
     assert "1.6 mm beyond wall z=-0.237" in refused(gen3, below, "objects.sphere.pose").problem
     beside = changed(glovebox, "objects", pose={"position": (0.801, 0.42, 0.0)})
     assert "37.3 mm beyond wall y=0.42" in refused(gen3, beside, "objects.sphere.pose").problem
+
+
+def plate(overlap: float) -> Body:
+    """A plate under the sphere, whose lowest point is 0.237 m below the origin, and this much of it in the plate, m."""
+    return Body(shape=Box(size=(0.3, 0.3, 0.03)), pose=Pose(position=(0.801, 0.02, -0.237 + overlap - 0.015)))
+
+
+def test_object_in_an_obstacle(glovebox: Scene) -> None:
+    """10 mm deep in one plate and 4 mm in another: the deeper one is named."""
+    scene = glovebox.with_obstacle("low", plate(0.004)).with_obstacle("plate", plate(0.010))
+    error = refused_in_python(scene, "sphere")
+    assert error.problem == "the object 'sphere' is 10.0 mm deep in the obstacle 'plate'"
+    assert error.key == "objects.sphere.pose"
+    assert error.remedy == "Move one of them; they may touch, and overlap by 1 mm"
+
+
+def test_object_in_another_object(glovebox: Scene) -> None:
+    """Centres 52.3 mm apart, radii of 37.3 and 20 mm."""
+    other = Object(shape=Sphere(radius=0.02), pose=Pose(position=(0.801 + 0.0523, 0.02, -0.1997)))
+    problem = refused_in_python(glovebox.with_object("ball", other), "sphere").problem
+    assert problem == "the object 'sphere' is 5.0 mm deep in the object 'ball'"
+
+
+def test_object_inside_a_turned_obstacle(glovebox: Scene) -> None:
+    """A ball wholly in a box that is turned about z: out by its radius and half the box's least edge."""
+    around = Body(shape=Box(size=(0.1, 0.4, 0.4)), pose=Pose(position=(0.801, 0.02, -0.1997), rpy=(0.0, 0.0, 0.7)))
+    problem = refused_in_python(glovebox.with_obstacle("block", around), "sphere").problem
+    assert problem == "the object 'sphere' is 87.3 mm deep in the obstacle 'block'"
+
+
+@pytest.mark.parametrize("overlap", [-0.02, 0.0, 0.0009])
+def test_an_object_may_touch_what_it_stands_on(glovebox: Scene, overlap: float) -> None:
+    check_placement(glovebox.with_obstacle("plate", plate(overlap)), "sphere")
+
+
+def test_a_little_more_than_a_touch_is_refused(glovebox: Scene) -> None:
+    assert "1.1 mm deep" in refused_in_python(glovebox.with_obstacle("plate", plate(0.0011)), "sphere").problem
 
 
 @pytest.mark.parametrize(("y", "side"), [(0.0380, "0.7 mm outside"), (0.0363, "1.0 mm inside")])

@@ -358,6 +358,11 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: ROOM.model_copy(update={"name": ""}), "name", ["at least 1 character"]),
     (lambda: ROOM.with_task("a/b", HOLD), "tasks.a/b", ["slash"]),
     (lambda: ROOM.with_task("a\\b", HOLD), "tasks.a\\b", ["slash"]),
+    (lambda: ROOM.model_copy(update={"name": 65 * "a"}), "name", ["65 bytes", "64 are allowed"]),
+    (lambda: ROOM.model_copy(update={"name": 33 * "\u00e4"}), "name", ["66 bytes", "64 are allowed"]),
+    (lambda: ROOM.with_task("a\0b", HOLD), r"tasks.a\x00b", ["character U+0000"]),
+    (lambda: ROOM.with_task("a\nb", HOLD), r"tasks.a\nb", ["character U+000A"]),
+    (lambda: ROOM.with_task("a\u202eb", HOLD), r"tasks.a\u202eb", ["character U+202E"]),
     (lambda: ROOM.with_task("", HOLD), "tasks.", ["at least 1 character"]),
     (lambda: ROOM.with_task(3, HOLD), "name", ["must be of class str, not 3"]),  # type: ignore[arg-type]
     (lambda: ROOM.with_task("hold", 3), "tasks.hold", ["a block of keys"]),  # type: ignore[arg-type]

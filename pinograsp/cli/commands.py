@@ -13,6 +13,7 @@ import pinograsp
 from ..errors import PinograspError
 from . import assess, check, database, hold, listing, plan, rank, robot, show, verify
 from .arguments import FAULT, INTERRUPTED, WRONG_USE, group, help_alone
+from .interrupts import late_interrupts
 from .terminal import fail, spelled_streams
 
 SELDOM = 100_000
@@ -47,7 +48,7 @@ def main() -> None:
     thresholds = gc.get_threshold()
     gc.set_threshold(SELDOM, *thresholds[1:])
     try:
-        with spelled_streams():
+        with spelled_streams(), late_interrupts():
             code = _run()
     finally:
         gc.set_threshold(*thresholds)

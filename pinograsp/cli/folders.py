@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,20 @@ def save(file: Path, write: Callable[[], object]) -> str:
     done = "replaced" if file.exists() else "written"
     write()
     return f"{done}: {file}"
+
+
+def remove(file: Path) -> Iterator[str]:
+    """Remove a file of an earlier command that is no longer true, if it is there, and yield what to say.
+
+    Raises:
+        FileError: it cannot be removed.
+    """
+    try:
+        if file.exists():
+            file.unlink()
+            yield f"removed: {file}, of an earlier plan"
+    except OSError as error:
+        raise FileError(f"cannot be removed: {reason_of(error)}", file=file, remedy="Remove it") from None
 
 
 def save_json(file: Path, content: Mapping[str, Any]) -> str:

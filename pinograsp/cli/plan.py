@@ -13,7 +13,7 @@ import pinograsp
 from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
 from .arguments import INTERRUPTED, as_options, command, given
-from .folders import file_name, make_folder, save
+from .folders import file_name, make_folder, remove, save
 from .inputs import read_robot, read_scene
 from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
@@ -64,7 +64,8 @@ def plan(
     """Find, verify and rank grasps.
 
     They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search
-    and writes what was found until then. With --json the document is that of the JSON file.
+    and writes what was found until then. Where no page is written, that of an earlier plan is removed. With --json the
+    document is that of the JSON file.
 
     Exit codes: 0 grasps were found, 1 none was found, 130 interrupted.
     """
@@ -105,8 +106,10 @@ def _saved(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> 
 
     file = folder / file_name(result.scene, result.task, result.robot, suffix="json")
     yield save(file, lambda: pinograsp.write_json(result, file))
-    if html and result.best is not None:
-        page, caption = file.with_suffix(".html"), outcome_lines(result)[0]
+    page, caption = file.with_suffix(".html"), outcome_lines(result)[0]
+    if not html or result.best is None:  # one that is there shows the grasps of a file that is no more
+        yield from remove(page)
+    else:
         yield save(page, lambda: pinograsp.visualization.write_html(result, page, caption=caption, by=rank_by))
 
 

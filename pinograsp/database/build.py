@@ -163,7 +163,7 @@ def _needed(accepted: dict[int, int], size: int) -> int | None:
 def _missing_batches(path: Path, size: int) -> list[int]:
     """Return the batches to compute next: as many as `size` rows are likely to take; none if they are there."""
     with Database.open(path) as database:
-        accepted = dict(database.connection.execute("SELECT batch, accepted FROM batches").fetchall())
+        accepted = dict(database.select("SELECT batch, accepted FROM batches"))
     if _needed(accepted, size) is not None:
         return []
     mean = sum(accepted.values()) / len(accepted) if accepted else 0.0
@@ -190,7 +190,7 @@ def _finish(path: Path, size: int, pace: _Pace) -> None:
     with Database.open(path, read_only=False) as database:
         if database.metadata()["layout"] == "sorted":
             return
-        accepted = dict(database.connection.execute("SELECT batch, accepted FROM batches").fetchall())
+        accepted = dict(database.select("SELECT batch, accepted FROM batches"))
         needed = _needed(accepted, size)
         if needed is None:
             return

@@ -48,10 +48,10 @@ class Coverage(Record):
             f"least(greatest(floor(({name} - {low}) / {voxel}), 0), {most - 1})::INTEGER AS v{name}"
             for name, low, most in zip("xyz", origin.tolist(), shape.tolist(), strict=True)
         )
-        rows = database.connection.execute(
+        rows = database.select_columns(
             f"SELECT vx, vy, vz, count(*) AS total, count(DISTINCT sector) AS sectors "
             f"FROM (SELECT {places}, {_SECTOR} AS sector FROM configurations) GROUP BY vx, vy, vz"
-        ).fetchnumpy()
+        )
         index = (rows["vx"], rows["vy"], rows["vz"])
         counts, directions = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.int64)
         counts[index], directions[index] = rows["total"], rows["sectors"]

@@ -118,7 +118,7 @@ def spread_configurations(
     whole_number("count", count, 0)
     seed = whole_number("seed", seed, 0)
     where, values = _condition(database, center, extent, cone, joints or {})
-    counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {where}", values).fetchall()
+    counted = database.select(f"SELECT count(*) FROM configurations WHERE {where}", values)
     there = int(counted[0][0])
     share = min(1.0, _CANDIDATES * count / there) if there else 1.0
     values |= {"offset": seed * _STRIDE % 2**32, "below": int(share * 2**32)}
@@ -185,7 +185,7 @@ def _listed(database: Database) -> str:
 
 
 def _fetch(database: Database, sql: str, values: dict[str, Any]) -> Configurations:
-    columns = database.connection.execute(sql, values).fetchnumpy()
+    columns = database.select_columns(sql, values)
 
     def stacked(*names: str) -> Array:
         return np.column_stack([np.asarray(columns[name], dtype=float) for name in names])

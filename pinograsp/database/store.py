@@ -11,13 +11,14 @@ one is stored in the order of a space-filling curve of the wrist position (layou
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import duckdb
+from numpy.typing import NDArray
 
 from ..disk import as_path, is_file, written_whole
 from ..errors import DatabaseMismatchError, FileError
@@ -103,14 +104,29 @@ class Database:
         """Close the file."""
         self.connection.close()
 
+    def select(self, sql: str, values: Mapping[str, Any] | None = None) -> list[tuple[Any, ...]]:
+        """Return the rows of a query; where Ctrl-C ends it, KeyboardInterrupt is raised.
+
+        Args:
+            sql: the query, with `$name` for values.
+            values: by name.
+        """
+        with interruptible():
+            return self.connection.execute(sql, values).fetchall()
+
+    def select_columns(self, sql: str, values: Mapping[str, Any] | None = None) -> dict[str, NDArray[Any]]:
+        """Return the rows of a query as one array for each column; as `select`."""
+        with interruptible():
+            return dict(self.connection.execute(sql, values).fetchnumpy())
+
     def metadata(self) -> dict[str, Any]:
         """Return the metadata, JSON values read."""
-        rows = self.connection.execute("SELECT key, value FROM metadata").fetchall()
+        rows = self.select("SELECT key, value FROM metadata")
         return {key: json.loads(value) for key, value in rows}
 
     def rows(self) -> int:
         """Return the number of configurations."""
-        return int(self.connection.execute("SELECT count(*) FROM configurations").fetchall()[0][0])
+        return int(self.select("SELECT count(*) FROM configurations")[0][0])
 
     def joints(self) -> list[str]:
         """Return the arm joints in the order of q1, q2, ..."""
@@ -118,7 +134,7 @@ class Database:
 
     def info(self) -> dict[str, Any]:
         """Return counts, layout, size and metadata."""
-        drawn, batches = self.connection.execute("SELECT coalesce(sum(drawn), 0), count(*) FROM batches").fetchall()[0]
+        drawn, batches = self.select("SELECT coalesce(sum(drawn), 0), count(*) FROM batches")[0]
         facts = {key: value for key, value in self.metadata().items() if key != "identity"}
         identity = identity_of(self)
         return {
@@ -145,7 +161,7 @@ class Database:
         rows = f"SELECT {names}, {others} FROM configurations"
         with written_whole(as_path("file", file)) as unfinished:
             target = str(unfinished).replace("'", "''")
-            self.connection.execute(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+            self.select(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
 
 
 @contextmanager
@@ -153,6 +169,8 @@ def interruptible() -> Iterator[None]:
     """Raise KeyboardInterrupt where Ctrl-C ends a query of the block: DuckDB raises a bare RuntimeError there."""
     try:
         yield
+    except duckdb.InterruptException:
+        raise KeyboardInterrupt from None
     except RuntimeError as error:
         if str(error) != "Query interrupted":
             raise
@@ -195,7 +213,7 @@ def set_metadata(database: Database, key: str, value: Any) -> None:
 
 def identity_of(database: Database) -> Identity:
     """Return robot, enclosure and margins that a database belongs to."""
-    rows = database.connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
+    rows = database.select("SELECT value FROM metadata WHERE key = 'identity'")
     return Identity.from_json(rows[0][0])
 
 

@@ -37,11 +37,11 @@ def refuse_internal(
 
 
 def dotted(path: KeyPath) -> str:
-    """Write a key path as `tasks.sphere.desired_contacts[0]`."""
+    """Write a key path as `tasks.sphere.desired_contacts[0]`, invisible characters as Python escapes them."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def input_error(

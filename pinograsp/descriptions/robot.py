@@ -16,7 +16,7 @@ from pydantic import Field, field_validator, model_validator
 from .composition import Composition
 from .hand import HandDescription, PadDescription, StiffnessDescription
 from .model import Frozen
-from .values import Interval, Name, Positive, Table, empty, ordered, wrong, wrong_name
+from .values import FileName, Interval, Name, Positive, Table, empty, ordered, wrong, wrong_name
 
 
 class ArmDescription(Frozen):
@@ -75,7 +75,7 @@ class CollisionDescription(Frozen):
 class RobotDescription(Composition):
     """A robot file."""
 
-    name: Name
+    name: FileName
     """Of the robot; part of the names of its files of results."""
     description: str = ""
     """For who reads the file or `pinograsp list`."""

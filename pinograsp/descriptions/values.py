@@ -6,6 +6,7 @@ mappings that cannot be written.
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -53,9 +54,20 @@ def listed(value: object) -> object:
     return value
 
 
-def _without_slash(name: str) -> str:
+LONGEST_NAME = 64
+"""Bytes, as UTF-8, of a name that becomes part of a file's name: three of them and more are in one, of 255 at most."""
+
+
+def _fit_for_files(name: str) -> str:
     if "/" in name or "\\" in name:
         raise ValueError("a slash is not allowed: the name becomes part of a file's name")
+    for character in name:
+        if unicodedata.category(character) in {"Cc", "Cf", "Cs", "Zl", "Zp"}:
+            shown = f"U+{ord(character):04X}"
+            raise ValueError(f"the invisible character {shown} is not allowed: the name becomes part of a file's name")
+    if (size := len(name.encode())) > LONGEST_NAME:
+        said = f"{size} bytes (UTF-8) are too long, {LONGEST_NAME} are allowed: the name becomes part of a file's name"
+        raise ValueError(said)
     return name
 
 
@@ -64,7 +76,7 @@ Number = Annotated[FiniteFloat, BeforeValidator(_number)]
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1)]
-FileName = Annotated[Name, AfterValidator(_without_slash)]
+FileName = Annotated[Name, AfterValidator(_fit_for_files)]
 """A name that becomes part of a file's name."""
 Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
 Interval = Annotated[tuple[Number, Number], BeforeValidator(listed)]

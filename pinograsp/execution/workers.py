@@ -9,9 +9,11 @@ import signal
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any, Protocol, Self, TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -145,24 +147,25 @@ class Processes(_Distributing):
 
     def begin(self) -> None:
         try:
-            self._begun().submit(os.getpid).result()
+            self._sent(os.getpid).result()
         except BrokenProcessPool:  # one of them died since the last run
             self._end()
-            self._begun().submit(os.getpid).result()
+            self._sent(os.getpid).result()
 
     def _submit(self, packed: Packed[Any], items: Sequence[Any], attempt: int) -> Future[bytes]:
         try:
-            return self._begun().submit(run_chunk, packed, items, attempt)
+            return self._sent(run_chunk, packed, items, attempt)
         except BrokenProcessPool:
             self._end()
-            return self._begun().submit(run_chunk, packed, items, attempt)
+            return self._sent(run_chunk, packed, items, attempt)
 
-    def _begun(self) -> ProcessPoolExecutor:
-        if self._pool is None:
-            method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
-            context = multiprocessing.get_context(method)
-            self._pool = ProcessPoolExecutor(self._count, context, _begin)
-        return self._pool
+    def _sent(self, call: Callable[..., Outcome], *given: object) -> Future[Outcome]:
+        """Submit a call; the first one begins the processes, and the thread that feeds and ends them."""
+        with _whole():
+            if self._pool is None:
+                method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
+                self._pool = ProcessPoolExecutor(self._count, multiprocessing.get_context(method), _begin)
+            return self._pool.submit(call, *given)
 
     def _end(self) -> None:
         if self._pool is not None:
@@ -178,6 +181,25 @@ def own_workers(count: int | None = None) -> Workers:
     """
     count = (os.cpu_count() or 1) if count is None else whole_number("workers", count, 1)
     return ThisProcess() if count == 1 else Processes(count)
+
+
+@contextmanager
+def _whole() -> Iterator[None]:
+    """Keep Ctrl-C until the block is done: processes that no thread feeds yet would never end, nor who waits for them.
+
+    A process that is forked in the block keeps it, too, until `_begin` has it ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():  # Ctrl-C ends nothing here
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    before = signal.signal(signal.SIGINT, lambda *given: came.append(given))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if came and callable(before):
+            before(*came[0])
 
 
 def _begin() -> None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+
+import coal
 import numpy as np
 
+from ..collision.solids import distance_request, scene_body
+from ..collision.world import Body
 from ..descriptions import Scene, Task
 from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
@@ -13,18 +18,21 @@ from .task_model import TaskModel
 
 TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""
+OVERLAP = 1e-3
+"""How deep an object may be in an obstacle or another object, m: poses are measured, and what stands touches."""
 
 
 def check_placement(scene: Scene, task_name: str) -> None:
     """Refuse a task that cannot be meant in its scene, whatever the robot.
 
     Raises:
-        TaskError: the object reaches beyond a wall, or a desired contact is off the surface.
+        TaskError: the object reaches beyond a wall or into another body, or a desired contact is off the surface.
         UnknownNameError: the scene has no such task.
     """
     task = scene.task(task_name)
     surface = surface_of(scene.objects[task.object].shape)
     _object_inside(scene, task, surface)
+    _object_apart(scene, task)
     _contacts_on_surface(scene, task_name, surface)
 
 
@@ -60,6 +68,35 @@ def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:
                 key=f"objects.{name}.pose",
                 remedy="Move the object or the wall",
             )
+
+
+def _object_apart(scene: Scene, task: Task) -> None:
+    """Refuse an object that is in an obstacle or another object; of several the one that it is deepest in is named."""
+    name, depths = task.object, dict[str, float]()
+    target = scene_body("target", name, scene.objects[name])
+    for other, body in scene.bodies_besides(task).items():
+        depths[other] = _depth(target, scene_body("obstacle", other, body))
+    other = max(depths, key=depths.__getitem__, default="")
+    if other and depths[other] > OVERLAP:
+        kind = "object" if other in scene.objects else "obstacle"
+        raise TaskError(
+            f"the object {name!r} is {1e3 * depths[other]:.1f} mm deep in the {kind} {other!r}",
+            file=scene.source,
+            key=f"objects.{name}.pose",
+            remedy=f"Move one of them; they may touch, and overlap by {1e3 * OVERLAP:g} mm",
+        )
+
+
+def _depth(first: Body, second: Body) -> float:
+    """Return how far one body must be moved to be clear of the other, m; negative: their distance."""
+    request = distance_request()
+    distances = []
+    for one, two in product(first.solids, second.solids):
+        poses = [
+            coal.Transform3s(T[:3, :3], T[:3, 3]) for T in (first.pose @ one.placement, second.pose @ two.placement)
+        ]
+        distances.append(coal.distance(one.shape, poses[0], two.shape, poses[1], request, coal.DistanceResult()))
+    return -float(min(distances))
 
 
 def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:

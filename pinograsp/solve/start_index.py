@@ -80,9 +80,9 @@ class StartIndex:
     def __init__(self, database: Database, robot: Robot) -> None:
         share = max(1, math.ceil(database.rows() / MOST_ROWS))
         angles = [f"q{i}" for i in range(1, robot.arm_size + 1)]
-        columns = database.connection.execute(
+        columns = database.select_columns(
             f"SELECT {', '.join(angles)}, x, y, z, ax, ay, az FROM configurations WHERE sample % {share} = 0"
-        ).fetchnumpy()
+        )
         self._q, wrists, self._approaches = (
             np.column_stack([np.asarray(columns[name], dtype=float) for name in names])
             for names in (angles, ("x", "y", "z"), ("ax", "ay", "az"))

@@ -1,0 +1,38 @@
+"""Ctrl-C, which is never lost: what comes while a module is imported is raised when that is done.
+
+Compiled modules drop a KeyboardInterrupt of the modules that they import, and go on without them or as if nothing was.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+AGAIN = 0.02
+"""Seconds after which it is looked again whether the import is done."""
+IMPORTING = "<frozen importlib._bootstrap>"
+"""File of the frames of Python's import."""
+
+
+@contextmanager
+def late_interrupts() -> Iterator[None]:
+    """Have Ctrl-C raise KeyboardInterrupt in the block, but never within an import: then right after it."""
+    handlers = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGALRM)}
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    while frame is not None:
+        if frame.f_code.co_filename == IMPORTING:
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+            return
+        frame = frame.f_back
+    signal.setitimer(signal.ITIMER_REAL, 0.0)  # of several that came within an import one is raised
+    raise KeyboardInterrupt
