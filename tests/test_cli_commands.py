@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
@@ -311,3 +312,31 @@ def test_plan_with_a_locked_joint_and_a_moved_object(run: Run, gen3: Robot, glov
 )
 def test_changes_that_cannot_be_made(run: Run, options: list[object], words: str) -> None:
     assert words in refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, "--starts", 1, *options))
+
+
+# ---- results that somebody changed
+
+
+@pytest.mark.parametrize("command", ["show", "rank", "verify", "assess", "hold"])
+def test_a_changed_result_is_said_to_be(run: Run, file: Path, command: str, tmp_path: Path) -> None:
+    data = json.loads(file.read_text())
+    data["grasps"] = data["grasps"][:1]
+    data["verified"] = data["grasps"][0]["count"]
+    data["grasps"][0]["cost"]["V"] += 1.0
+    changed = tmp_path / "changed.json"
+    changed.write_text(json.dumps(data))
+    options = {"assess": ["--samples", 1, "--workers", 1], "hold": ["--workers", 1]}.get(command, [])
+    warning = f"warning: {changed}: this result may be wrong: its file was changed since it was written"
+    code, output, errors = run(command, changed, "--json", *options)
+    assert code != 2
+    assert errors.count(warning) == 1
+    assert json.loads(output)
+    assert warning not in run(command, file, "--json", *options)[2]
+
+
+def test_python_says_that_a_result_was_changed(file: Path) -> None:
+    sound = pinograsp.read_json(file)
+    changed = dataclasses.replace(sound, altered=True)
+    words = "; its file was changed since it was written"
+    assert (words in repr(changed), words in changed._repr_html_()) == (True, True)
+    assert (words in repr(sound), words in sound._repr_html_()) == (False, False)

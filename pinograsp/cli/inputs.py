@@ -9,6 +9,7 @@ import pinograsp
 
 from ..errors import InputError
 from .arguments import named_values
+from .terminal import Terminal
 
 
 def read_scene(
@@ -48,6 +49,20 @@ def read_robot(name: str) -> pinograsp.Robot:
 
     description = load_robot_description(name)
     return pinograsp.Robot(description)
+
+
+def read_result(file: Path, terminal: Terminal) -> pinograsp.Result:
+    """Return the result in a file; of one that was changed since it was written, warn.
+
+    Raises:
+        FileError: the file is missing, is damaged, or is no result.
+    """
+    result = pinograsp.read_json(file)
+    if result.altered:
+        from ..results.result import ALTERED
+
+        terminal.warn(f"{file}: this result may be wrong: {ALTERED}. See what differs with pinograsp verify")
+    return result
 
 
 def grasp_of(result: pinograsp.Result, number: int, file: Path) -> pinograsp.Grasp:
