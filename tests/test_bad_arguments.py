@@ -93,6 +93,9 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: verify(3), "result", ["must be of class Result, not 3", "read_json"]),  # type: ignore[arg-type]
     (lambda: write_json(3, "result.json"), "result", ["must be of class Result, not 3"]),  # type: ignore[arg-type]
     (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]
+    (lambda: hold_test([], progress=3), "progress", ["must be a function, not 3"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(max_evaluations=2**31), "max_evaluations", ["at most 2147483647"]),
+    (lambda: SolverOptions(tries=2**53), "tries", ["at most 9007199254740991"]),
     (lambda: different([], -1), "most", ["at least 0"]),
     (lambda: pareto_front([], 3), "criteria", ["must be of class Sequence"]),  # type: ignore[arg-type]
 ]
@@ -114,6 +117,9 @@ PLANS: list[tuple[dict[str, Any], str, list[str]]] = [
     ({"task": None}, "tasks", ["no task None"]),
     ({"starts": 1.5}, "starts", ["a whole number"]),
     ({"starts": 0}, "starts", ["at least 1"]),
+    ({"starts": 10**30}, "starts", ["at most 9007199254740991"]),
+    ({"task": load_scene("glovebox").tasks["sphere"]}, "tasks", ["no task Task(object=", "Give the name of one"]),
+    ({"progress": 3}, "progress", ["must be a function, not 3", "pinograsp.Progress"]),
     ({"seed": -1}, "seed", ["at least 0"]),
     ({"workers": 0}, "workers", ["at least 1"]),
     ({"workers": True}, "workers", ["a whole number"]),
@@ -173,6 +179,10 @@ def test_numbers_of_a_query(rows: Database) -> None:
             Coverage.of(rows, voxel)
     with pytest.raises(InputError, match=r"^limit: must be at least 0"):
         configurations_near(rows, np.zeros(3), 0.5, limit=-1)
+    with pytest.raises(InputError, match=r"^limit: must be at most 9007199254740991"):
+        configurations_near(rows, np.zeros(3), 0.5, limit=10**30)
+    with pytest.raises(InputError, match=r"^count: must be at most 9007199254740991"):
+        spread_configurations(rows, np.zeros(3), 0.5, 10**30)
     with pytest.raises(InputError, match=r"^count: must be at least 0"):
         spread_configurations(rows, np.zeros(3), 0.5, -1)
     with pytest.raises(InputError, match=r"^seed: must be a whole number"):
@@ -192,6 +202,8 @@ def test_seeds_of_any_size(rows: Database) -> None:
     ("changes", "key"),
     [
         ({"size": 0}, "size"),
+        ({"size": 10**30}, "size"),
+        ({"progress": 3}, "progress"),
         ({"seed": -1}, "seed"),
         ({"spread": "joint"}, "spread"),
         ({"workers": 0}, "workers"),

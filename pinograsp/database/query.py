@@ -114,7 +114,7 @@ def spread_configurations(
         InputError: a number is out of range or not finite.
     """
     whole_number("count", count, 0)
-    seed = whole_number("seed", seed, 0)
+    seed = whole_number("seed", seed, 0, None)
     where, values = _condition(database, center, extent, cone, joints or {})
     counted = database.connection.execute(f"SELECT count(*) FROM configurations WHERE {where}", values).fetchall()
     there = int(counted[0][0])

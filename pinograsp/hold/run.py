@@ -12,7 +12,7 @@ from typing import Any
 
 from ..errors import require_kind, whole_number
 from ..execution import Workers, own_workers
-from ..progress import Progress, Report, no_report
+from ..progress import Progress, Report, no_report, require_report
 from ..results import Grasp, Result, Setup
 from ..verification.resistance import Q_FORCE
 from .library import mujoco
@@ -57,6 +57,7 @@ def hold_test(
     """
     if best is not None:
         whole_number("best", best, 1)
+    require_report(progress)
     options, processes = given_options(options), own_workers(workers)
     mujoco()
     numbered = list(enumerate(in_order(grasps)[:best], 1))

@@ -12,14 +12,13 @@ from ..arrays import Array
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.model import FileRoot
 from ..descriptions.problems import dotted
+from ..errors import MOST
 from ..verification.certificate import Certificate, Figure
 from .grasp import Contact, Cost, Grasp
 from .result import Blocked, Result
 from .setup import Setup
 
 Description = TypeVar("Description", bound=FileRoot)
-MOST = 2**53
-"""Counts from here on are those of no run."""
 
 
 def decode(data: dict[str, Any]) -> Result:
@@ -53,7 +52,7 @@ def _mapping(data: Any, key: str) -> dict[str, Any]:
 
 def _count(data: Any, key: str) -> int:
     number = int(data)
-    if not 0 <= number < MOST:
+    if not 0 <= number <= MOST:
         raise ValueError(f"{key}: {'negative' if number < 0 else 'too large'}")
     return number
 
