@@ -118,7 +118,11 @@ PLANS: list[tuple[dict[str, Any], str, list[str]]] = [
     ({"starts": 1.5}, "starts", ["a whole number"]),
     ({"starts": 0}, "starts", ["at least 1"]),
     ({"starts": 10**30}, "starts", ["at most 9007199254740991"]),
-    ({"task": load_scene("glovebox").tasks["sphere"]}, "tasks", ["no task Task(object=", "Give the name of one"]),
+    (
+        {"task": load_scene("glovebox").tasks["sphere"]},
+        "tasks",
+        ["no task Task(object=", "in this scene. Known: sphere"],
+    ),
     ({"progress": 3}, "progress", ["must be a function, not 3", "pinograsp.Progress"]),
     ({"seed": -1}, "seed", ["at least 0"]),
     ({"workers": 0}, "workers", ["at least 1"]),

@@ -236,10 +236,10 @@ class Scene(FileRoot):
 
     def _named(self, what: str, name: str, table: Mapping[str, Part]) -> Part:
         if not isinstance(name, str) or name not in table:
-            named, close = f"{what} {name!r}", close_names(name, table)
-            if not isinstance(name, str):  # such as the part itself, which is long
-                named, close = f"{what} {reprlib.repr(name)}", f"Give the name of one. {close_names('', table)}"
-            problem, remedy = f"no {named} in this scene", close
+            shown = (
+                repr(name) if isinstance(name, str) else reprlib.repr(name)
+            )  # such as the part itself, which is long
+            problem, remedy = f"no {what} {shown} in this scene", close_names(name, table)
             raise UnknownNameError(problem, file=self.source, key=f"{what}s", remedy=remedy)
         return table[name]
 
