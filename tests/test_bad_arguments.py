@@ -46,7 +46,11 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: load_robot(None), None, ["a path or a name is wanted, not None"]),  # type: ignore[arg-type]
     (lambda: load_scene("a" * 5000), None, ["no such scene file"]),
     (lambda: load_robot("a\0b"), None, ["no such robot file"]),
-    (lambda: load_scene(""), None, ["no such scene file"]),
+    (lambda: load_scene(""), None, ["a path or a name is wanted, not ''"]),
+    (lambda: load_robot(""), None, ["a path or a name is wanted, not ''"]),
+    (lambda: load_scene(Path(__file__).parent), None, ["tests: is a folder, not a scene file. Name a scene file"]),
+    (lambda: load_robot(Path(__file__).parent), None, ["tests: is a folder without robot.yaml"]),
+    (lambda: Database.open(Path(__file__).parent), None, ["tests: is a folder"]),
     (lambda: schema("scenes"), "kind", ["Did you mean scene?"]),  # type: ignore[arg-type]
     (lambda: schema([]), "kind", ["Known: robot, scene"]),  # type: ignore[arg-type]
     (lambda: SolverOptions(tries=0), "tries", ["at least 1"]),
@@ -142,6 +146,14 @@ def test_a_plan(gen3: Robot, glovebox: Scene, changes: dict[str, Any], key: str,
         assert word in str(caught.value)
 
 
+@pytest.mark.parametrize("given", ["grasp", "result"])
+def test_a_configuration_that_is_a_grasp(gen3: Robot, glovebox: Scene, given: str) -> None:
+    result = plan(gen3, glovebox, "sphere", starts=4, workers=1)
+    wrong: Any = result.best if given == "grasp" else result
+    with pytest.raises(InputError, match=rf"^q: must be values of joints, not a {given.title()}. Give .*joints`"):
+        pinograsp.check(gen3, glovebox, "sphere", wrong)
+
+
 @pytest.mark.parametrize("deadline", ["x", NAN, -1.0])
 def test_a_deadline(gen3: Robot, glovebox: Scene, deadline: Any) -> None:
     with Planner(gen3, glovebox, workers=1) as planner, pytest.raises(InputError, match=r"^deadline: must be"):
@@ -180,6 +192,9 @@ def test_a_query(rows: Database, changes: dict[str, Any], key: str, words: list[
 def test_numbers_of_a_query(rows: Database) -> None:
     for voxel in (0.0, -0.1, NAN):
         with pytest.raises(InputError, match=r"^voxel: must be"):
+            Coverage.of(rows, voxel)
+    for voxel in (1e-9, 1e-300):
+        with pytest.raises(InputError, match=r"^voxel: is too small: the enclosure would have more than 100,000,000"):
             Coverage.of(rows, voxel)
     with pytest.raises(InputError, match=r"^limit: must be at least 0"):
         configurations_near(rows, np.zeros(3), 0.5, limit=-1)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pinograsp
 
 from ..errors import InputError
-from .arguments import named_values
+from .arguments import POSE, as_options, named_values
 from .terminal import Terminal
 
 
@@ -33,7 +33,10 @@ def read_scene(
     its = scene.task(task)
     if object_pose is not None:
         moved, x, y, z, *rpy = object_pose
-        scene = scene.with_object_pose(moved, pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2])))
+        keys = [f"{key}[{index}]" for key in ("position", "rpy") for index in range(3)]
+        with as_options({key: f"--object-pose {name}" for key, name in zip(keys, POSE, strict=True)}):
+            pose = pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2]))
+        scene = scene.with_object_pose(moved, pose)
     if lock:
         scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
     return scene
