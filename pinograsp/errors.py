@@ -178,6 +178,17 @@ def require_kind(name: str, value: object, *kinds: type, remedy: str | None = No
         raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
 
 
+def require_report(progress: object) -> None:
+    """Refuse what was given as `progress` and cannot be called.
+
+    Raises:
+        InputError: it cannot.
+    """
+    if not callable(progress):
+        remedy = "Give a function that takes a pinograsp.Progress"
+        raise InputError(f"must be a function, not {progress!r}", key="progress", remedy=remedy)
+
+
 def close_names(name: object, known: Iterable[str]) -> str:
     """Return a remedy that lists the names closest to `name` among those known."""
     from difflib import get_close_matches

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from .errors import InputError
-
 
 @dataclass(frozen=True)
 class Progress:
@@ -29,17 +27,6 @@ class Progress:
 
 Report = Callable[[Progress], None]
 """Takes the progress of a piece of work, in the process that began it. What it raises ends the work."""
-
-
-def require_report(progress: object) -> None:
-    """Refuse what was given as `progress` and cannot be called.
-
-    Raises:
-        InputError: it cannot.
-    """
-    if not callable(progress):
-        remedy = "Give a function that takes a pinograsp.Progress"
-        raise InputError(f"must be a function, not {progress!r}", key="progress", remedy=remedy)
 
 
 def no_report(progress: Progress) -> None:

@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any
 
 from ..compiled import compiling
-from ..errors import require_kind, whole_number
+from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
-from ..progress import Progress, Report, no_report, require_report
+from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .errors import SAMPLES, Draw, Errors, draws
 from .judge import Judge

@@ -22,10 +22,18 @@ from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.task import Margins
 from ..disk import as_path
-from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, require_kind, whole_number
+from ..errors import (
+    DatabaseMismatchError,
+    InputError,
+    UnknownNameError,
+    close_names,
+    require_kind,
+    require_report,
+    whole_number,
+)
 from ..execution import own_workers
 from ..kinematics.robot import Robot
-from ..progress import Progress, Report, no_report, require_report
+from ..progress import Progress, Report, no_report
 from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler

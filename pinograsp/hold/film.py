@@ -13,8 +13,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..disk import as_path, write_whole
-from ..errors import InputError, require_kind
-from ..progress import Progress, Report, no_report, require_report
+from ..errors import InputError, require_kind, require_report
+from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .library import mujoco, pillow
 from .mjcf import OBJECT, TIMESTEP, HandAndObject

@@ -10,9 +10,9 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import require_kind, whole_number
+from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
-from ..progress import Progress, Report, no_report, require_report
+from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
 from ..verification.resistance import Q_FORCE
 from .library import mujoco

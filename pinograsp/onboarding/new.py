@@ -10,9 +10,9 @@ from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..descriptions.values import Vector3
-from ..errors import InputError
+from ..errors import InputError, require_report
 from ..kinematics.tree import UrdfTree
-from ..progress import Report, no_report, require_report
+from ..progress import Report, no_report
 from .addresses import address_of, find_urdf, needed_packages
 from .chain import last_link
 from .draft import Draft, draft

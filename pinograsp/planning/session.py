@@ -20,12 +20,12 @@ from ..database.store import Database, identity_of, require_identity
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.task import Margins
-from ..errors import InputError, real_number, require_kind, whole_number
+from ..errors import InputError, real_number, require_kind, require_report, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
-from ..progress import Report, no_report, require_report
+from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.local import LocalSolver

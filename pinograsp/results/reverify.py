@@ -11,9 +11,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import robot_for
-from ..errors import InputError, require_kind
+from ..errors import InputError, require_kind, require_report
 from ..frozen import Record
-from ..progress import Progress, Report, no_report, require_report
+from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
 from ..verification.resistance import is_graded
