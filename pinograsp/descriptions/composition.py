@@ -46,6 +46,7 @@ class Composition(FileRoot, UrdfPart):
     """The URDFs of a robot file: one, or several put together, and where they are."""
 
     format: Format1
+    """Version of the file's format."""
     source: Path
     """Where the robot file was read from: what it names is found from there."""
     attach: tuple[Attachment, ...] = ()

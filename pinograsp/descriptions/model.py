@@ -22,7 +22,8 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)  # what is never made costs nothing
 
     def __init__(self, /, **data: Any) -> None:
-        refuse_internal(data)
+        fields = type(self).model_fields
+        refuse_internal([name for name in data if name in fields and fields[name].init is False])
         try:
             super().__init__(**data)
         except ValidationError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ INTERNAL = ("source", "digest")
 
 
 def refuse_internal(
-    content: Mapping[str, Any], *, file: Path | None = None, lines: Mapping[KeyPath, int] | None = None
+    content: Container[str], *, file: Path | None = None, lines: Mapping[KeyPath, int] | None = None
 ) -> None:
     """Refuse what only the reader of a file sets.
 

@@ -95,8 +95,11 @@ class JointInterval(NamedTuple):
     key: Literal["joint_ranges", "lock"]
     """Of the task, where it stands."""
     name: str
+    """Of the arm joint or synergy."""
     lower: float
+    """rad (m)."""
     upper: float
+    """rad (m)."""
 
 
 class Task(Frozen):
