@@ -365,7 +365,7 @@ def test_missing_scene(name: str) -> None:
 def test_missing_robot(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no such robot file.*Did you mean gen3_2f85\b"):
         load_robot("gen3_2f58")
-    with pytest.raises(InputError, match="no such robot file"):
+    with pytest.raises(InputError, match=r"is a folder without robot\.yaml"):
         load_robot(tmp_path)  # a folder without robot.yaml
 
 
