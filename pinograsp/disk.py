@@ -123,6 +123,14 @@ def reason_of(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
+def is_folder(path: Path) -> bool:
+    """Return whether there is a folder; as `is_file`."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 def is_file(path: Path) -> bool:
     """Return whether there is a file: none that this user may not look for, none of a name that the system refuses."""
     try:

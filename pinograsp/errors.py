@@ -22,6 +22,9 @@ from collections.abc import Iterable
 from numbers import Real
 from pathlib import Path
 
+MOST = 2**53 - 1
+"""Counts above are of nothing that can be done, and floating-point numbers do not hold them exactly."""
+
 
 class PinograspError(Exception):
     """Base of every error that pinograsp raises on purpose."""
@@ -107,8 +110,14 @@ def _rebuild(
     return kind(problem, file=file, line=line, key=key, remedy=remedy)
 
 
-def whole_number(name: str, number: int, least: int, most: int | None = None) -> int:
+def whole_number(name: str, number: int, least: int, most: int | None = MOST) -> int:
     """Return a whole number, NumPy's too, that was given as the argument of a name.
+
+    Args:
+        name: of the argument.
+        number: as given.
+        least: that it may be.
+        most: that it may be; None, as for seeds: any.
 
     Raises:
         InputError: it is none, or out of range.
@@ -167,6 +176,17 @@ def require_kind(name: str, value: object, *kinds: type, remedy: str | None = No
     if not isinstance(value, kinds):
         wanted = " or ".join(kind.__name__ for kind in kinds)
         raise InputError(f"must be of class {wanted}, not {reprlib.repr(value)}", key=name, remedy=remedy)
+
+
+def require_report(progress: object) -> None:
+    """Refuse what was given as `progress` and cannot be called.
+
+    Raises:
+        InputError: it cannot.
+    """
+    if not callable(progress):
+        remedy = "Give a function that takes a pinograsp.Progress"
+        raise InputError(f"must be a function, not {progress!r}", key="progress", remedy=remedy)
 
 
 LISTED = 12

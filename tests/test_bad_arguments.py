@@ -46,7 +46,11 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: load_robot(None), None, ["a path or a name is wanted, not None"]),  # type: ignore[arg-type]
     (lambda: load_scene("a" * 5000), None, ["no such scene file"]),
     (lambda: load_robot("a\0b"), None, ["no such robot file"]),
-    (lambda: load_scene(""), None, ["no such scene file"]),
+    (lambda: load_scene(""), None, ["a path or a name is wanted, not ''"]),
+    (lambda: load_robot(""), None, ["a path or a name is wanted, not ''"]),
+    (lambda: load_scene(Path(__file__).parent), None, ["tests: is a folder, not a scene file. Name a scene file"]),
+    (lambda: load_robot(Path(__file__).parent), None, ["tests: is a folder without robot.yaml"]),
+    (lambda: Database.open(Path(__file__).parent), None, ["tests: is a folder"]),
     (lambda: schema("scenes"), "kind", ["Did you mean scene?"]),  # type: ignore[arg-type]
     (lambda: schema([]), "kind", ["Known: robot, scene"]),  # type: ignore[arg-type]
     (lambda: SolverOptions(tries=0), "tries", ["at least 1"]),
@@ -93,6 +97,9 @@ ALONE: list[tuple[Callable[[], object], str | None, list[str]]] = [
     (lambda: verify(3), "result", ["must be of class Result, not 3", "read_json"]),  # type: ignore[arg-type]
     (lambda: write_json(3, "result.json"), "result", ["must be of class Result, not 3"]),  # type: ignore[arg-type]
     (lambda: visualization.write_html(3, "page.html"), "grasp", ["must be of class Grasp"]),  # type: ignore[arg-type]
+    (lambda: hold_test([], progress=3), "progress", ["must be a function, not 3"]),  # type: ignore[arg-type]
+    (lambda: SolverOptions(max_evaluations=2**31), "max_evaluations", ["at most 2147483647"]),
+    (lambda: SolverOptions(tries=2**53), "tries", ["at most 9007199254740991"]),
     (lambda: different([], -1), "most", ["at least 0"]),
     (lambda: pareto_front([], 3), "criteria", ["must be of class Sequence"]),  # type: ignore[arg-type]
 ]
@@ -114,6 +121,13 @@ PLANS: list[tuple[dict[str, Any], str, list[str]]] = [
     ({"task": None}, "tasks", ["no task None"]),
     ({"starts": 1.5}, "starts", ["a whole number"]),
     ({"starts": 0}, "starts", ["at least 1"]),
+    ({"starts": 10**30}, "starts", ["at most 9007199254740991"]),
+    (
+        {"task": load_scene("glovebox").tasks["sphere"]},
+        "tasks",
+        ["no task Task(object=", "in this scene. Known: sphere"],
+    ),
+    ({"progress": 3}, "progress", ["must be a function, not 3", "pinograsp.Progress"]),
     ({"seed": -1}, "seed", ["at least 0"]),
     ({"workers": 0}, "workers", ["at least 1"]),
     ({"workers": True}, "workers", ["a whole number"]),
@@ -130,6 +144,14 @@ def test_a_plan(gen3: Robot, glovebox: Scene, changes: dict[str, Any], key: str,
     assert caught.value.key == key
     for word in words:
         assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("given", ["grasp", "result"])
+def test_a_configuration_that_is_a_grasp(gen3: Robot, glovebox: Scene, given: str) -> None:
+    result = plan(gen3, glovebox, "sphere", starts=4, workers=1)
+    wrong: Any = result.best if given == "grasp" else result
+    with pytest.raises(InputError, match=rf"^joints: must be values of joints, not a {given.title()}. Give .*joints`"):
+        pinograsp.check(gen3, glovebox, "sphere", wrong)
 
 
 @pytest.mark.parametrize("deadline", ["x", NAN, -1.0])
@@ -171,8 +193,15 @@ def test_numbers_of_a_query(rows: Database) -> None:
     for voxel in (0.0, -0.1, NAN):
         with pytest.raises(InputError, match=r"^voxel: must be"):
             Coverage.of(rows, voxel)
+    for voxel in (1e-9, 1e-300):
+        with pytest.raises(InputError, match=r"^voxel: is too small: the enclosure would have more than 100,000,000"):
+            Coverage.of(rows, voxel)
     with pytest.raises(InputError, match=r"^limit: must be at least 0"):
         configurations_near(rows, np.zeros(3), 0.5, limit=-1)
+    with pytest.raises(InputError, match=r"^limit: must be at most 9007199254740991"):
+        configurations_near(rows, np.zeros(3), 0.5, limit=10**30)
+    with pytest.raises(InputError, match=r"^count: must be at most 9007199254740991"):
+        spread_configurations(rows, np.zeros(3), 0.5, 10**30)
     with pytest.raises(InputError, match=r"^count: must be at least 0"):
         spread_configurations(rows, np.zeros(3), 0.5, -1)
     with pytest.raises(InputError, match=r"^seed: must be a whole number"):
@@ -192,6 +221,8 @@ def test_seeds_of_any_size(rows: Database) -> None:
     ("changes", "key"),
     [
         ({"size": 0}, "size"),
+        ({"size": 10**30}, "size"),
+        ({"progress": 3}, "progress"),
         ({"seed": -1}, "seed"),
         ({"spread": "joint"}, "spread"),
         ({"workers": 0}, "workers"),

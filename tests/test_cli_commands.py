@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
@@ -210,9 +211,11 @@ def test_check_of_no_grasp(run: Run, gen3: Robot, glovebox: Scene, result: Resul
     assert failing == [True]
 
 
-def test_check_of_a_whole_grasp(run: Run, result: Result, tmp_path: Path) -> None:
+def test_check_of_a_whole_grasp(run: Run, result: Result, file: Path, tmp_path: Path) -> None:
     """A grasp as `show --json` or Python writes it holds its joints."""
     (tmp_path / "grasp.json").write_text(json.dumps(result.grasps[0].to_json()))
+    (tmp_path / "shown.json").write_text(run("show", file, "--json")[1])
+    assert run("check", "glovebox", "--task", "sphere", "--joints", "shown.json", "--quiet") == (0, "", "")
     assert run("check", "glovebox", "--task", "sphere", "--joints", "grasp.json", "--quiet") == (0, "", "")
 
 
@@ -233,6 +236,7 @@ def test_files_of_joints_with_signs_in_their_names(run: Run, result: Result, nam
         ("broken.json", "broken.json: is not valid JSON"),
         ("list.json", 'list.json: --joints: values by the names of joints are wanted. Write, for example, {"shoulder"'),
         ("words.json", 'words.json: joint_1: a number is wanted, not "up"'),
+        ("result.json", "result.json: --joints: is a result: one grasp is wanted. pinograsp show RESULT --json gives"),
         ("joint_1=up", "--joints: 'joint_1=up' is not JOINT=VALUE"),
         ("joint_1=nan", "--joints: 'joint_1=nan' is not JOINT=VALUE"),
         ("joint_1=1.0", "--joints: no value is given for 'joint_2'"),
@@ -240,7 +244,12 @@ def test_files_of_joints_with_signs_in_their_names(run: Run, result: Result, nam
     ],
 )
 def test_joints_that_cannot_be_used(run: Run, joints: str, words: str, tmp_path: Path) -> None:
-    for name, text in (("broken", "{"), ("list", "[1.0]"), ("words", '{"joint_1": "up"}')):
+    for name, text in (
+        ("broken", "{"),
+        ("list", "[1.0]"),
+        ("words", '{"joint_1": "up"}'),
+        ("result", '{"grasps": []}'),
+    ):
         (tmp_path / f"{name}.json").write_text(text)
     assert words in refused(run("check", "glovebox", "--task", "sphere", "--joints", joints))
 
@@ -304,7 +313,9 @@ def test_plan_with_a_locked_joint_and_a_moved_object(run: Run, gen3: Robot, glov
         (["--lock", "joint_99=0"], "joint_99"),
         (["--lock", f"{HAND}=9"], HAND),
         (["--object-pose", "cube", 0, 0, 0, 0, 0, 0], "'cube'"),
-        (["--object-pose", "sphere", 0, 0, 0, 0, 0], "--object-pose"),
+        (["--object-pose", "sphere", 0, 0, 0, 0, 0, "nan"], "--object-pose YAW: a finite number is wanted"),
+        (["--object-pose", "sphere", 0, 1e10, 0, 0, 0, 0], "--object-pose Y: a number between"),
+        (["--object-pose", "sphere", 0, 0, 0, 0, 0], "See pinograsp plan --help"),
         (["--object-pose", "sphere", 0, 0, "up", 0, 0, 0], "--object-pose"),
         (["--object-pose", "sphere", 5, 0, 0, 0, 0, 0], "outside the enclosure"),
     ],
@@ -312,3 +323,31 @@ def test_plan_with_a_locked_joint_and_a_moved_object(run: Run, gen3: Robot, glov
 )
 def test_changes_that_cannot_be_made(run: Run, options: list[object], words: str) -> None:
     assert words in refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, "--starts", 1, *options))
+
+
+# ---- results that somebody changed
+
+
+@pytest.mark.parametrize("command", ["show", "rank", "verify", "assess", "hold"])
+def test_a_changed_result_is_said_to_be(run: Run, file: Path, command: str, tmp_path: Path) -> None:
+    data = json.loads(file.read_text())
+    data["grasps"] = data["grasps"][:1]
+    data["verified"] = data["grasps"][0]["count"]
+    data["grasps"][0]["cost"]["V"] += 1.0
+    changed = tmp_path / "changed.json"
+    changed.write_text(json.dumps(data))
+    options = {"assess": ["--samples", 1, "--workers", 1], "hold": ["--workers", 1]}.get(command, [])
+    warning = f"warning: {changed}: this result may be wrong: its file was changed since it was written"
+    code, output, errors = run(command, changed, "--json", *options)
+    assert code != 2
+    assert errors.count(warning) == 1
+    assert json.loads(output)
+    assert warning not in run(command, file, "--json", *options)[2]
+
+
+def test_python_says_that_a_result_was_changed(file: Path) -> None:
+    sound = pinograsp.read_json(file)
+    changed = dataclasses.replace(sound, altered=True)
+    words = "; its file was changed since it was written"
+    assert (words in repr(changed), words in changed._repr_html_()) == (True, True)
+    assert (words in repr(sound), words in sound._repr_html_()) == (False, False)

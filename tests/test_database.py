@@ -302,7 +302,14 @@ def test_foreign_and_damaged_files_are_left_alone(small: Path, gen3: Any, gloveb
     with duckdb.connect(str(foreign)) as connection:
         connection.execute("CREATE TABLE configurations (x FLOAT)")
     cut.write_bytes(small.read_bytes()[:3000])
-    for file, words in ((text, "damaged or not"), (foreign, "not a pinograsp start database"), (cut, "damaged")):
+    other = tmp_path / "joints.json"  # which DuckDB opens
+    other.write_text('{"joint_1": 0.5}\n')
+    for file, words in (
+        (other, "damaged or not a DuckDB file"),
+        (text, "damaged or not"),
+        (foreign, "not a pinograsp start database"),
+        (cut, "damaged"),
+    ):
         before = file.read_bytes()
         with pytest.raises(InputError, match=words):
             build_database(gen3, glovebox, file, size=10)
@@ -311,6 +318,19 @@ def test_foreign_and_damaged_files_are_left_alone(small: Path, gen3: Any, gloveb
         assert file.read_bytes() == before
     with pytest.raises(InputError, match="no such database"):
         Database.open(tmp_path / "missing.duckdb")
+
+
+def test_a_database_that_is_open_here(small: Path, gen3: Any, glovebox: Any) -> None:
+    with (
+        Database.open(small),
+        pytest.raises(pinograsp.FileError, match=r"open in this process for reading. Close it first"),
+    ):
+        build_database(gen3, glovebox, small, size=10)
+    with (
+        Database.open(small, read_only=False),
+        pytest.raises(pinograsp.FileError, match=r"open in this process for writing. Close it first"),
+    ):
+        Database.open(small)
 
 
 def test_one_builder_at_a_time(small: Path, gen3: Any, glovebox: Any) -> None:

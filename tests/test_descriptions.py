@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+from dataclasses import FrozenInstanceError
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from conftest import TOY_ROBOT, TOY_URDF
 import pinograsp
 from pinograsp import InputError, load_robot, load_scene
 from pinograsp.descriptions import load_robot_description, schema, shipped_robots, shipped_scenes
+from pinograsp.descriptions.yaml_core import Yaml
 
 ROBOT = shipped_robots()["gen3_2f85"].read_text()
 SCENE = shipped_scenes()["glovebox"].read_text()
@@ -45,6 +48,35 @@ def changed(text: str, old: str, new: str) -> str:
 
 
 # Files that are fine.
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("010", 10),
+        ("-08", -8),
+        ("0x1F", 31),
+        ("0o17", 15),
+        ("1e-3", 0.001),
+        ("-.5E+3", -500.0),
+        ("1.", 1.0),
+        (".inf", math.inf),
+        ("-.INF", -math.inf),
+        ("~", None),
+        ("", None),
+        ("true", True),
+        ("FALSE", False),
+        *((text, text) for text in ("1:30", "1_0", "0b1", "yes", "on", "no", "2020-01-01", "0.0.5", "1e", "-0x1", ".")),
+    ],
+)
+def test_yaml_has_the_words_and_numbers_of_1_2(text: str, value: object) -> None:
+    read = yaml.load(f"key: {text}", Loader=Yaml)["key"]
+    assert (read, type(read)) == (value, type(value))
+
+
+def test_yaml_has_texts_in_quotation_marks_and_repetitions() -> None:
+    content = yaml.load("one: &one {a: '1', b: 2}\nother: {<<: *one, b: no}", Loader=Yaml)
+    assert content["other"] == {"a": "1", "b": "no"}
 
 
 @pytest.mark.parametrize(("kind", "file"), SHIPPED, ids=lambda value: getattr(value, "name", value))
@@ -91,7 +123,7 @@ def test_number_without_a_dot_before_its_exponent(tmp_path: Path) -> None:
 
 
 def test_descriptions_cannot_be_changed() -> None:
-    with pytest.raises(ValueError, match="frozen"):
+    with pytest.raises(FrozenInstanceError, match=r"Scene cannot be changed: make another one with model_copy"):
         load_scene("glovebox").name = "other"  # type: ignore[misc]
 
 
@@ -129,9 +161,13 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
     ("scene", "0.0373}", ".nan}", "objects.sphere.shape.radius", "radius", ["finite"]),
     ("scene", "0.0373}", "-.inf}", "objects.sphere.shape.radius", "radius", ["finite"]),
     ("scene", "0.0373}", "}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "nothing"]),
-    ("scene", "0.0373}", "0}", "objects.sphere.shape.radius", "radius", ["greater than 0"]),
+    ("scene", "0.0373}", "0}", "objects.sphere.shape.radius", "radius", ["must be greater than 0 (given: 0)"]),
+    ("scene", "0.0373}", "1:30}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'1:30'"]),
+    ("scene", "0.0373}", "1_0}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'1_0'"]),
+    ("scene", "0.0373}", "'0.0373'}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'0.0373'"]),
+    ("scene", "0.0373}", "1e10}", "objects.sphere.shape.radius", "radius", ["between -1e+09 and 1e+09"]),
     ("scene", "0.0, 0.0373, 0.0]", "0.0, x, 0.0]", "tasks.sphere.desired_contacts[0][1]", "0.0, x", ["number", "'x'"]),
-    ("scene", "format: 1", "format: 2", "format", "format: ", ["should be 1", "2"]),
+    ("scene", "format: 1", "format: 2", "format", "format: ", ["must be 1", "2"]),
     ("scene", "format: 1", "format: true", "format", "format: ", ["number"]),
     # lists, blocks and texts
     ("scene", "[1.10, 0.42, 0.363]", "[1.10, 0.42]", "enclosure.max", "max: ", ["more values", "2 given"]),
@@ -293,7 +329,6 @@ def test_hand_without_contacts(pads: list[Any] | None, count: int, tmp_path: Pat
         ("format: 1\n---\nformat: 1\n", "another document", 2),
         ("name: !!python/object:os.system x\n", "not valid YAML", 1),
         ("? {a: b}\n: 1\n", "unhashable key", 1),
-        ("name: 2024-13-45\n", "not valid YAML", None),
         ("[" * 3000, "not valid YAML", None),
         ("name: &a [*a]\n", "not valid YAML", None),
         ("name: a\0b\n", "not valid YAML", None),
@@ -308,7 +343,6 @@ def test_hand_without_contacts(pads: list[Any] | None, count: int, tmp_path: Pat
         "two documents",
         "Python object",
         "block as key",
-        "no such date",
         "deep",
         "contains itself",
         "null",
@@ -334,7 +368,7 @@ def test_missing_scene(name: str) -> None:
 def test_missing_robot(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no such robot file.*Did you mean gen3_2f85\b"):
         load_robot("gen3_2f58")
-    with pytest.raises(InputError, match="no such robot file"):
+    with pytest.raises(InputError, match=r"is a folder without robot\.yaml"):
         load_robot(tmp_path)  # a folder without robot.yaml
 
 
@@ -581,7 +615,7 @@ FOR_EDITORS = [case for case in BAD_VALUES if case[5][0] in {"unknown key", "mis
 @pytest.mark.parametrize("case", FOR_EDITORS, ids=lambda case: str(case[3]))
 def test_schema_refuses_it_too(case: tuple[str, str, str, str, str, list[str]]) -> None:
     kind, old, new, *_ = case
-    content = yaml.safe_load(changed(ROBOT if kind == "robot" else SCENE, old, new))
+    content = yaml.load(changed(ROBOT if kind == "robot" else SCENE, old, new), Loader=Yaml)
     assert not jsonschema.Draft202012Validator(schema(kind)).is_valid(content)  # type: ignore[arg-type]
 
 

@@ -8,7 +8,7 @@ import json
 import math
 import pickle
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import pinocchio as pin
 import pytest
 from conftest import TOY_URDF, RobotFactory
 
-from pinograsp import InputError, Pose, Result, Robot, load_scene, plan, read_json, write_json
+from pinograsp import FileError, InputError, Pose, Result, Robot, load_scene, plan, read_json, write_json
 from pinograsp.descriptions import Scene, load_robot_description, shipped_robots, shipped_scenes
 from pinograsp.descriptions.model import FileRoot
 from pinograsp.frozen import Record
@@ -345,57 +345,64 @@ def test_damaged_file_is_refused(content: str | bytes, words: str, tmp_path: Pat
     assert caught.value.file == file
 
 
-@pytest.mark.parametrize(
-    "damage",
-    [
-        lambda data: data.pop("grasps"),
-        lambda data: data["grasps"][0].pop("joints"),
-        lambda data: data["grasps"][0]["cost"].update(W=1.0),
-        lambda data: data["grasps"][0]["contacts"][0].pop("pad"),
-        lambda data: data["grasps"][0]["certificate"].update(figures=3),
-        lambda data: data.update(blocked=[1]),
+DAMAGE: list[tuple[Callable[[Any], object], str, str]] = [
+    (lambda data: data.pop("grasps"), "grasps", "this key is missing"),
+    (lambda data: data.update(grasps={}), "grasps", "a list is wanted (given: {})"),
+    (lambda data: data["grasps"].append(3), "grasps[-1].start", "there is no block of keys"),
+    (lambda data: data["grasps"][0].pop("joints"), "grasps[0].joints", "this key is missing"),
+    (lambda data: data["grasps"][0]["cost"].update(W=1.0), "grasps[0].cost.W", "unknown key"),
+    (lambda data: data["grasps"][0]["cost"].pop("V"), "grasps[0].cost.V", "this key is missing"),
+    (lambda data: data["grasps"][0]["contacts"][0].pop("pad"), "grasps[0].contacts[0].pad", "this key is missing"),
+    (lambda data: data["grasps"][0]["certificate"].update(figures=3), "grasps[0].certificate.figures", "a list is"),
+    (lambda data: data.update(blocked=[1]), "blocked", "a block of keys is wanted (given: [1])"),
+    (
         lambda data: data.update(verified="many"),
-        lambda data: data["grasps"][0]["joints"].update(joint_1=None),
-        lambda data: data["grasps"][0]["cost"].update(U=10**400),
-        lambda data: data["grasps"][0]["contacts"][0]["point"].pop(),
-        lambda data: data["grasps"][0]["T_world_wrist"].pop(),
+        "verified",
+        'a whole number from 0 to 9007199254740991 is wanted (given: "many")',
+    ),
+    (lambda data: data.update(verified=-1), "verified", "(given: -1)"),
+    (lambda data: data.update(starts=1.5), "starts", "(given: 1.5)"),
+    (lambda data: data["counts"].update(converged="12"), "counts.converged", '(given: "12")'),
+    (lambda data: data.update(interrupted=0), "interrupted", "true or false is wanted (given: 0)"),
+    (lambda data: data.update(warnings=[3]), "warnings[0]", "a text is wanted (given: 3)"),
+    (lambda data: data["provenance"].update(sha256=3), "provenance.sha256", "a block of keys is wanted"),
+    (lambda data: data["grasps"][0]["joints"].update(joint_1=None), "grasps[0].joints.joint_1", "(given: null)"),
+    (lambda data: data["grasps"][0]["joints"].update(joint_1="0"), "grasps[0].joints.joint_1", "a number is wanted"),
+    (lambda data: data["grasps"][0]["cost"].update(U=10**400), "grasps[0].cost.U", "cannot be used (given: 1000"),
+    (lambda data: data["grasps"][0]["q_arm"].append("x"), "grasps[0].q_arm", "numbers are wanted"),
+    (lambda data: data["grasps"][0]["contacts"][0]["point"].pop(), "grasps[0].contacts[0].point", "cannot be used"),
+    (lambda data: data["grasps"][0]["T_world_wrist"].pop(), "grasps[0].T_world_wrist", "cannot be used"),
+    (
         lambda data: data["grasps"][0]["certificate"]["figures"][0].update(limit="much"),
-        lambda data: data["setup"].update(task="cube"),
-    ],
-    ids=[
-        "no grasps",
-        "no joints",
-        "strange cost",
-        "no pad",
-        "no figures",
-        "strange blocks",
-        "a word for a number",
-        "no angle",
-        "too large",
-        "two coordinates",
-        "half a pose",
-        "text for a limit",
-        "no such task",
-    ],
-)
-def test_incomplete_file_is_refused(damage: Any, result: Result, tmp_path: Path) -> None:
+        "grasps[0].certificate.figures[0].limit",
+        'a number is wanted (given: "much")',
+    ),
+    (lambda data: data["setup"].update(task="cube"), "setup.task", "the scene has no task 'cube'"),
+]
+
+
+@pytest.mark.parametrize(("damage", "key", "words"), DAMAGE, ids=[f"{key} {words}" for _, key, words in DAMAGE])
+def test_damage_is_told_by_its_key(damage: Any, key: str, words: str, result: Result, tmp_path: Path) -> None:
     file = tmp_path / "result.json"
     write_json(result, file)
     data = json.loads(file.read_text())
     damage(data)
     file.write_text(json.dumps(data))
-    with pytest.raises(InputError, match="is damaged") as caught:
+    with pytest.raises(FileError, match="is damaged: ") as caught:
         read_json(file)
     assert caught.value.file == file
+    assert caught.value.key == key.replace("[-1]", f"[{len(data['grasps']) - 1}]" if "[-1]" in key else "")
+    assert words in str(caught.value)
+    assert str(caught.value).endswith("Take another copy of the file, or plan again")
 
 
 @pytest.mark.parametrize(
     ("part", "change", "words"),
     [
-        ("robot", {"pads": []}, "setup.robot.pads: a hand holds with two pads or more"),
+        ("robot", {"pads": []}, "setup.robot.pads: is damaged: a hand holds with two pads or more"),
         ("robot", {"stiffness": {"joint": -1.0, "contact": 1.0}}, "setup.robot.stiffness.joint: "),
         ("scene", {"magic": 1}, "setup.scene.magic: "),
-        ("scene", {"objects": {}}, "setup.scene: no object"),
+        ("scene", {"objects": {}}, "setup.scene.tasks.sphere.object: is damaged: no object 'sphere' is defined"),
     ],
 )
 def test_damage_of_the_setup_is_told_by_its_key(

@@ -489,10 +489,10 @@ def test_files_that_cannot_be_used(run: Run, data: dict[str, Any], tmp_path: Pat
         ("{", "is not valid JSON"),
         (json.dumps(data | {"format_version": 2}), "format_version: format version 2 cannot be read"),
         ('{"format_version": NaN}', "is not valid JSON: NaN is no number of JSON"),
-        (json.dumps(data | {"setup": 3}), "is damaged"),
-        (json.dumps(data | {"provenance": []}), "is damaged"),
-        (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "is damaged"),
-        (json.dumps(data | {"verified": -1}), "is damaged"),
+        (json.dumps(data | {"setup": 3}), "setup.robot: is damaged"),
+        (json.dumps(data | {"provenance": []}), "provenance: is damaged"),
+        (json.dumps(data | {"grasps": [data["grasps"][0] | {"start": 10**400}]}), "grasps[0].start: is damaged"),
+        (json.dumps(data | {"verified": -1}), "verified: is damaged"),
     ):
         if content is not None:
             file.write_text(content)

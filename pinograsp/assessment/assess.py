@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from ..compiled import compiling
-from ..errors import require_kind, whole_number
+from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp
@@ -53,7 +53,8 @@ def assess(
     require_kind("grasp", grasp, Grasp, remedy="Take one of `Result.grasps`")
     if errors is not None:
         require_kind("errors", errors, Errors, remedy="Give pinograsp.Errors(...)")
-    samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0)
+    require_report(progress)
+    samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0, None)
     running = own_workers(workers)
     judge = Judge(grasp)
     sizes = (errors or Errors()).for_task(judge.task.contact.friction)

@@ -17,6 +17,7 @@ from .terminal import fail
 
 WRONG_USE, FAULT, INTERRUPTED = 2, 70, 130
 DEFAULT_ROBOT = "gen3_2f85"
+POSE = ("X", "Y", "Z", "ROLL", "PITCH", "YAW")
 
 Scene = Annotated[
     str,
@@ -35,7 +36,7 @@ RobotFile = Annotated[
 ObjectPose = Annotated[
     tuple[str, float, float, float, float, float, float] | None,
     typer.Option(
-        metavar="NAME X Y Z ROLL PITCH YAW",
+        metavar=" ".join(("NAME", *POSE)),
         help="Put an object of the scene elsewhere: position in the world, m, and angles about its fixed axes, rad.",
         autocompletion=completion.objects,
     ),

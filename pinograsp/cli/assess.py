@@ -15,7 +15,7 @@ from ..units import shown_in
 from . import arguments
 from .arguments import INTERRUPTED, as_options, command, given
 from .folders import file_name, make_folder, save_json
-from .inputs import grasp_of
+from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def assess(
     }
     with as_options(as_given):
         errors = pinograsp.Errors(**sizes)
-    result = pinograsp.read_json(file)
+    result = read_result(file, terminal)
     chosen = grasp_of(result, grasp, file)
     if out is not None:
         make_folder(out)

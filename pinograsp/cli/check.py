@@ -97,6 +97,11 @@ def _is_value(text: str) -> bool:
 
 def _of_file(file: Path) -> dict[str, float]:
     content = json_of(file)
+    if isinstance(content, dict) and "grasps" in content:
+        remedy = "pinograsp show RESULT --json gives one that --joints takes"
+        raise InputError("is a result: one grasp is wanted", file=file, key="--joints", remedy=remedy)
+    if isinstance(content, dict) and isinstance(content.get("grasp"), dict):  # what `show --json` says of a grasp
+        content = content["grasp"]
     if isinstance(content, dict) and isinstance(content.get("joints"), dict):  # a grasp
         content = content["joints"]
     if not isinstance(content, dict):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import gc
+import sys
 import traceback
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -75,4 +76,16 @@ def _usage(error: typer.TyperException) -> str:
     """Return the line of a wrong use, with the command whose help says more."""
     context = getattr(error, "ctx", None)
     said = " ".join(error.format_message().split()).rstrip(".")
-    return f"{said[:1].lower()}{said[1:]}. See {context.command_path if context else 'pinograsp'} --help"
+    return f"{said[:1].lower()}{said[1:]}. See {context.command_path if context else _command_path()} --help"
+
+
+def _command_path() -> str:
+    """Return the command that was asked for; some errors of its options do not know it."""
+    commands: Any = typer.main.get_command(app)
+    path = ["pinograsp"]
+    for word in sys.argv[1:]:
+        commands = getattr(commands, "commands", {}).get(word)
+        if commands is None:
+            break
+        path.append(word)
+    return " ".join(path)

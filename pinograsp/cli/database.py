@@ -80,9 +80,10 @@ def build(
     if not 1 <= size <= 1e10:
         raise pinograsp.InputError("must be between 1 and 1e10", key="--size")
     described = pinograsp.load_scene(scene)
-    margins = None if margin is None else pinograsp.Margins(enclosure=margin, robot=margin)
+    with as_options({"enclosure": "--margin"}):
+        margins = None if margin is None else pinograsp.Margins(enclosure=margin, robot=margin)
     try:
-        with terminal.progress() as progress:
+        with terminal.progress() as progress, as_options({"workers": "--workers"}):
             model = read_robot(robot)
             built = pinograsp.build_database(
                 model,
@@ -142,7 +143,8 @@ def query(
     if cone is not None:
         with as_options({"axis": "--cone", "half_angle": f"--angle {angle:g}°"}):
             directions = pinograsp.DirectionCone(np.array(cone), math.radians(angle))
-    with pinograsp.Database.open(file) as opened:
+    sizes = {"center": "--center", "extent": "--radius", "count": "--count", "limit": "--count"}
+    with pinograsp.Database.open(file) as opened, as_options(sizes):
         if spread:
             found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)
         else:

@@ -17,7 +17,7 @@ from ..tables import Table
 from . import arguments
 from .arguments import INTERRUPTED, as_options, command
 from .folders import file_name, make_folder, save, save_json
-from .inputs import grasp_of
+from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
 NOT_HELD = 1
@@ -70,7 +70,7 @@ def hold(
     if (mjcf or film) and out is None:
         key = "--mjcf" if mjcf else "--film"
         raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
-    result = pinograsp.read_json(file)
+    result = read_result(file, terminal)
     grasps, first = _chosen(result, file, best, grasp)
     if out is not None:
         make_folder(out)

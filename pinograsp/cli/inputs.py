@@ -8,7 +8,8 @@ from pathlib import Path
 import pinograsp
 
 from ..errors import InputError
-from .arguments import named_values
+from .arguments import POSE, as_options, named_values
+from .terminal import Terminal
 
 
 def read_scene(
@@ -32,7 +33,10 @@ def read_scene(
     its = scene.task(task)
     if object_pose is not None:
         moved, x, y, z, *rpy = object_pose
-        scene = scene.with_object_pose(moved, pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2])))
+        keys = [f"{key}[{index}]" for key in ("position", "rpy") for index in range(3)]
+        with as_options({key: f"--object-pose {name}" for key, name in zip(keys, POSE, strict=True)}):
+            pose = pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2]))
+        scene = scene.with_object_pose(moved, pose)
     if lock:
         scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
     return scene
@@ -48,6 +52,20 @@ def read_robot(name: str) -> pinograsp.Robot:
 
     description = load_robot_description(name)
     return pinograsp.Robot(description)
+
+
+def read_result(file: Path, terminal: Terminal) -> pinograsp.Result:
+    """Return the result in a file; of one that was changed since it was written, warn.
+
+    Raises:
+        FileError: the file is missing, is damaged, or is no result.
+    """
+    result = pinograsp.read_json(file)
+    if result.altered:
+        from ..results.result import ALTERED
+
+        terminal.warn(f"{file}: this result may be wrong: {ALTERED}. See what differs with pinograsp verify")
+    return result
 
 
 def grasp_of(result: pinograsp.Result, number: int, file: Path) -> pinograsp.Grasp:

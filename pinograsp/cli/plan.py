@@ -71,11 +71,11 @@ def plan(
     """
     terminal = Terminal(as_json, quiet)
     described = read_scene(scene, task, object_pose, lock)
-    with as_options({"by": "--rank-by", "algorithm": "--algorithm"}):
+    with as_options({"by": "--rank-by", "algorithm": "--algorithm", "max_evaluations": "--max-evaluations"}):
         require_order(rank_by)
         options = pinograsp.SolverOptions(**given(algorithm=algorithm, max_evaluations=max_evaluations))
     make_folder(out)
-    with terminal.progress() as progress:
+    with terminal.progress() as progress, as_options({"starts": "--starts", "workers": "--workers"}):
         model = read_robot(robot)
         result = pinograsp.plan(
             model,

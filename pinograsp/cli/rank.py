@@ -11,6 +11,7 @@ import pinograsp
 
 from . import arguments, completion
 from .arguments import as_options, command
+from .inputs import read_result
 from .orders import ORDERS, is_measured
 from .terminal import Terminal
 
@@ -62,7 +63,7 @@ def rank(
     Exit codes: 0 there are grasps, 1 there are none.
     """
     terminal = Terminal(as_json, quiet)
-    result = pinograsp.read_json(file)
+    result = read_result(file, terminal)
     criteria = _names(pareto or ())
     if pareto and not criteria:
         raise pinograsp.InputError(

@@ -11,7 +11,7 @@ import pinograsp
 from . import arguments
 from .arguments import command
 from .folders import file_name, make_folder, save
-from .inputs import grasp_of
+from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
 
@@ -38,7 +38,7 @@ def show(
     With --out its page is written as <scene>_<task>_<robot>_grasp<number>.html.
     """
     terminal = Terminal(as_json, quiet)
-    result = pinograsp.read_json(file)
+    result = read_result(file, terminal)
     chosen = grasp_of(result, grasp, file)
     names = (result.scene, result.task, result.robot)
     if open_page and out is None:

@@ -11,6 +11,7 @@ import pinograsp
 
 from . import arguments
 from .arguments import command
+from .inputs import read_result
 from .terminal import Terminal
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def verify(
     Exit codes: 0 every certificate stands (or there is none), 1 something differs.
     """
     terminal = Terminal(as_json, quiet)
-    result = pinograsp.read_json(file)
+    result = read_result(file, terminal)
     with terminal.progress() as progress:
         found = pinograsp.verify(result, progress)
     terminal.find(lambda: _document(result, found), lambda: _report(len(result.grasps), found, terminal))

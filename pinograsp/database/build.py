@@ -22,7 +22,15 @@ from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.task import Margins
 from ..disk import as_path
-from ..errors import DatabaseMismatchError, InputError, UnknownNameError, close_names, require_kind, whole_number
+from ..errors import (
+    DatabaseMismatchError,
+    InputError,
+    UnknownNameError,
+    close_names,
+    require_kind,
+    require_report,
+    whole_number,
+)
 from ..execution import own_workers
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
@@ -74,8 +82,9 @@ def build_database(
     """
     require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
     require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+    require_report(progress)
     path, processes = as_path("file", file), own_workers(workers)
-    size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0)
+    size, seed = whole_number("size", size, 1), whole_number("seed", seed, 0, None)
     if spread not in (known := get_args(Spread)):
         raise UnknownNameError(f"no spread {spread!r}", key="spread", remedy=close_names(spread, known))
     if margins is not None:

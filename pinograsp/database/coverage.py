@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..errors import positive_number, require_kind
+from ..errors import InputError, positive_number, require_kind
 from ..frozen import Record
 from .store import Database, identity_of
 
 SECTORS = 24
 """Approach directions are told apart by largest component with sign (6) and the signs of the two others (4)."""
+MOST = 100_000_000
+"""Voxels that are counted at most."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,13 +39,16 @@ class Coverage(Record):
             voxel: edge of a voxel, m.
 
         Raises:
-            InputError: the edge is not positive, or the database is none.
+            InputError: the edge is not positive or too small, or the database is none.
         """
         require_kind("database", database, Database, remedy="Open it with `Database.open`")
         voxel = positive_number("voxel", voxel)
         walls = identity_of(database).enclosure["walls"]
         origin, end = np.array(walls["min"]), np.array(walls["max"])
-        shape = np.ceil((end - origin) / voxel - 1e-9).astype(int)
+        edges = np.ceil((end - origin) / voxel - 1e-9)
+        if np.log10(edges).sum() > np.log10(MOST):
+            raise InputError(f"is too small: the enclosure would have more than {MOST:,} voxels", key="voxel")
+        shape = edges.astype(int)
         places = ", ".join(
             f"least(greatest(floor(({name} - {low}) / {voxel}), 0), {most - 1})::INTEGER AS v{name}"
             for name, low, most in zip("xyz", origin.tolist(), shape.tolist(), strict=True)

@@ -116,7 +116,7 @@ def spread_configurations(
         InputError: a number is out of range or not finite.
     """
     whole_number("count", count, 0)
-    seed = whole_number("seed", seed, 0)
+    seed = whole_number("seed", seed, 0, None)
     where, values = _condition(database, center, extent, cone, joints or {})
     counted = database.select(f"SELECT count(*) FROM configurations WHERE {where}", values)
     there = int(counted[0][0])

@@ -20,7 +20,7 @@ from typing import Any
 import duckdb
 from numpy.typing import NDArray
 
-from ..disk import as_path, is_file, written_whole
+from ..disk import as_path, is_file, is_folder, reason_of, written_whole
 from ..errors import DatabaseMismatchError, FileError
 from .identity import Identity
 
@@ -62,7 +62,10 @@ class Database:
         """
         path = as_path("file", file)
         if not is_file(path):
-            raise FileError("no such database", file=path, remedy="Make it with `pinograsp database build`")
+            problem = "is a folder" if is_folder(path) else "no such database"
+            raise FileError(problem, file=path, remedy="Make it with `pinograsp database build`")
+        if not _begins_as_duckdb(path):  # DuckDB opens files of other kinds, too
+            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path)
         try:
             connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
         except duckdb.IOException as error:
@@ -71,6 +74,9 @@ class Database:
             if "lock" in str(error).lower():
                 raise FileError("is in use by another process", file=path, remedy="Wait until it is done") from None
             raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+        except duckdb.ConnectionException:
+            mode = "for writing" if read_only else "for reading"
+            raise FileError(f"is open in this process {mode}", file=path, remedy="Close it first") from None
         except duckdb.Error:
             raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
         database = cls(path, connection)
@@ -162,6 +168,19 @@ class Database:
         with written_whole(as_path("file", file)) as unfinished:
             target = str(unfinished).replace("'", "''")
             self.select(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+
+
+def _begins_as_duckdb(file: Path) -> bool:
+    """Return whether a file has the mark of DuckDB's format, "DUCK" after a check sum of 8 bytes.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    try:
+        with file.open("rb") as opened:
+            return opened.read(12)[8:] == b"DUCK"
+    except OSError as error:
+        raise FileError(f"cannot be opened: {reason_of(error)}", file=file, remedy="Check the file") from None
 
 
 @contextmanager

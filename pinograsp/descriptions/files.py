@@ -12,6 +12,7 @@ from ..errors import FileError, InputError
 from .model import Root
 from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
+from .yaml_core import Yaml
 
 
 class _Lines:
@@ -56,8 +57,8 @@ def read_file(file: Path, model: type[Root]) -> Root:
     data = content_of(file)
     try:
         text = data.decode()
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-        content = yaml.safe_load(text)
+        node = yaml.compose(text, Loader=Yaml)
+        content = yaml.load(text, Loader=Yaml)
         lines = _Lines(node, file)
     except UnicodeDecodeError:
         raise FileError("is not a text file in UTF-8", file=file) from None

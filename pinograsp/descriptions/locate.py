@@ -10,7 +10,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from ..disk import is_file
+from ..disk import is_file, is_folder
 from ..errors import FileError, InputError, close_names
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -47,6 +47,8 @@ def scene_file(name: str | Path) -> Path:
 
 def _expanded(name: str | Path) -> Path:
     """Return the path with ~ replaced; one of an unknown user stays as it is, and is not found."""
+    if name == "":  # which would be the working directory
+        raise InputError("a path or a name is wanted, not ''")
     try:
         return Path(name).expanduser()
     except RuntimeError:
@@ -63,6 +65,9 @@ def _by_path_or_name(path: Path, kind: str, shipped: dict[str, Path]) -> Path:
         name = parts[0].removesuffix(".yaml")
         if name in shipped:
             return shipped[name]
+    if is_folder(path):
+        problem = "is a folder, not a scene file" if kind == "scene" else "is a folder without robot.yaml"
+        raise FileError(problem, file=path, remedy=f"Name a {kind} file")
     raise FileError(
         f"no such {kind} file, and no shipped {kind} has this name",
         file=path,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import FrozenInstanceError
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -55,6 +56,21 @@ class Frozen(BaseModel):
         """
         del deep
         return self._made({**self.fields(), **update}) if update else self
+
+    if not TYPE_CHECKING:  # else any attribute could be set, for type checkers
+
+        def __setattr__(self, name: str, value: object) -> None:
+            """Refuse to change anything."""
+            raise self._cannot_change(name)
+
+        def __delattr__(self, name: str) -> None:
+            """Refuse to remove anything."""
+            raise self._cannot_change(name)
+
+    def _cannot_change(self, name: str) -> FrozenInstanceError:
+        """Return the error of who tries, of the class that results raise, too."""
+        how = f"make another one with model_copy(update={{{name!r}: ...}})"
+        return FrozenInstanceError(f"{type(self).__name__} cannot be changed: {how}")
 
     def __eq__(self, other: object) -> bool:
         """Whether another one of the same class says the same; what was computed from the fields does not count."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
@@ -84,7 +85,9 @@ def input_error(
             path, problem, remedy = (*path, *context["path"]), context["problem"], context["remedy"]
             kind = UnknownNameError if first["type"] == "unknown_name" else InputError
         case _:
-            problem = _in_words(first)
+            problem = _in_words(first, in_file=file is not None)
+            if isinstance(first["input"], np.ndarray) and context.get("class_name") == "Pose":
+                remedy = "Make one of a homogeneous matrix with Pose.of"
     known = _nearest(path, content)
     line = None if lines is None else _line(known, lines)
     return kind(problem, file=file, line=line, key=dotted((*known, *added)) or None, remedy=remedy)
@@ -115,8 +118,8 @@ def _line(path: KeyPath, lines: Mapping[KeyPath, int]) -> int:
     return lines[path]
 
 
-def _in_words(problem: ErrorDetails) -> str:
-    """Say what is wanted without the words of Python."""
+def _in_words(problem: ErrorDetails, *, in_file: bool) -> str:
+    """Say what is wanted: in a file in the words of YAML, otherwise in those of Python."""
     given, context = problem["input"], problem.get("ctx", {})
     match problem["type"]:
         case "value_error":
@@ -128,25 +131,48 @@ def _in_words(problem: ErrorDetails) -> str:
         case "too_short":
             return f"at least {context['min_length']} values are wanted ({context['actual_length']} given)"
         case "tuple_type":
-            wanted = "a list in [brackets]"
-        case "dict_type" | "model_type" | "model_attributes_type":
+            wanted = "a list in [brackets]" if in_file else "a list"
+        case "dict_type" | "model_type" | "model_attributes_type" if in_file:
             wanted = "a block of keys"
+        case "dict_type":
+            wanted = "a dict"
+        case "model_type" | "model_attributes_type":
+            name = context.get("class_name")  # none where there are several
+            part = "a part made with its class" if name is None else f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
+            wanted = f"{part}, or a dict of its keys,"
         case "string_type":
             wanted = "a text"
         case "float_type" | "float_parsing":
             wanted = "a number"
         case "finite_number":
             wanted = "a finite number"
+        case "string_too_short":
+            wanted = f"a text of at least {context['min_length']} character"
         case _:
-            message = problem["msg"]
-            return f"{message[:1].lower()}{message[1:]} (given: {given!r})"
-    return f"{wanted} is wanted (given: {'nothing' if given is None else repr(given)})"
+            message = problem["msg"].replace("Input should be ", "must be ", 1)
+            return f"{message[:1].lower()}{message[1:]} (given: {_shown(given)})"
+    return f"{wanted} is wanted (given: {_shown(given)})"
+
+
+def _shown(given: object) -> str:
+    """Return what was given in one line."""
+    return "nothing" if given is None else re.sub(r"\n\s*", " ", repr(given))
 
 
 def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
     """Return the keys that the block at `path` may have."""
     schema = model.model_json_schema()
-    block: dict[str, Any] = schema
+
+    def meant(block: dict[str, Any]) -> dict[str, Any]:
+        """Return the block behind references and the possibility to leave it out."""
+        while "$ref" in block or "anyOf" in block:
+            if "$ref" in block:
+                block = schema["$defs"][block["$ref"].rsplit("/", 1)[-1]]
+            else:
+                block = next(kind for kind in block["anyOf"] if kind.get("type") != "null")
+        return block
+
+    block = meant(schema)
     for part in path:
         if "discriminator" in block:
             block = {"$ref": block["discriminator"]["mapping"][part]}
@@ -154,8 +180,5 @@ def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
             block = block["items"]
         else:
             block = block.get("properties", {}).get(part) or block["additionalProperties"]
-        if "anyOf" in block:  # a block that may be left out
-            block = next(kind for kind in block["anyOf"] if kind.get("type") != "null")
-        if "$ref" in block:
-            block = schema["$defs"][block["$ref"].rsplit("/", 1)[-1]]
+        block = meant(block)
     return sorted(set(block["properties"]) - set(INTERNAL))

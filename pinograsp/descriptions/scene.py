@@ -6,6 +6,7 @@ World frame as the scene's author chooses it; lengths in metres, angles in radia
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -274,7 +275,10 @@ class Scene(FileRoot):
 
     def _named(self, what: str, name: str, table: Mapping[str, Part]) -> Part:
         if not isinstance(name, str) or name not in table:
-            problem, remedy = f"no {what} {name!r} in this scene", close_names(name, table)
+            shown = (
+                repr(name) if isinstance(name, str) else reprlib.repr(name)
+            )  # such as the part itself, which is long
+            problem, remedy = f"no {what} {shown} in this scene", close_names(name, table)
             raise UnknownNameError(problem, file=self.source, key=f"{what}s", remedy=remedy)
         return table[name]
 

@@ -19,6 +19,8 @@ from ..frozen import FrozenMapping
 
 ABSENT = object()
 """In place of a `format` that a file does not give."""
+FARTHEST = 1e9
+"""Greatest number, in any unit: nothing that is meant has more, and powers of much greater ones overflow."""
 
 
 def wrong(problem: str, *path: str | int, remedy: str | None = None) -> PydanticCustomError:
@@ -33,10 +35,18 @@ def wrong_name(problem: str, name: str, known: list[str], *path: str | int) -> P
 
 
 def _number(value: object) -> object:
-    """Refuse booleans as numbers (YAML reads `yes` and `on` as true); -0 is 0: equal content has one digest."""
+    """Refuse booleans and texts as numbers; -0 is 0: equal content has one digest."""
     if isinstance(value, bool | np.bool_):
         raise ValueError(f"a number is wanted, not {value}")
+    if isinstance(value, str | bytes | bytearray):  # which pydantic would read as numbers
+        raise PydanticKnownError("float_type")
     return 0.0 if isinstance(value, float) and value == 0.0 else value
+
+
+def _in_reach(number: float) -> float:
+    if abs(number) > FARTHEST:
+        raise wrong(f"a number between {-FARTHEST:g} and {FARTHEST:g} is wanted (given: {number!r})")
+    return number
 
 
 def _format(value: object) -> object:
@@ -72,7 +82,7 @@ def _fit_for_files(name: str) -> str:
 
 
 Format1 = Annotated[Literal[1], BeforeValidator(_format)]
-Number = Annotated[FiniteFloat, BeforeValidator(_number)]
+Number = Annotated[FiniteFloat, BeforeValidator(_number), AfterValidator(_in_reach)]
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1)]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..disk import as_path, write_whole
-from ..errors import InputError, require_kind
+from ..errors import InputError, require_kind, require_report
 from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .library import mujoco, pillow
@@ -54,6 +54,7 @@ def write_film(
     """
     file, options = film_file(file), given_options(options)
     require_kind("grasp", grasp, Grasp)
+    require_report(progress)
     model = HandAndObject(grasp.required_setup, options).model(grasp, shown=True)
     camera = _Camera(across=grasp.contacts[0].normal)
     simulation = Simulation(model, options, look=camera.look)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
-from ..errors import require_kind, whole_number
+from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
@@ -57,6 +57,7 @@ def hold_test(
     """
     if best is not None:
         whole_number("best", best, 1)
+    require_report(progress)
     options, processes = given_options(options), own_workers(workers)
     mujoco()
     numbered = list(enumerate(in_order(grasps)[:best], 1))

@@ -10,7 +10,7 @@ from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
 from ..descriptions.values import Vector3
-from ..errors import InputError
+from ..errors import InputError, require_report
 from ..kinematics.tree import UrdfTree
 from ..progress import Report, no_report
 from .addresses import address_of, find_urdf, needed_packages
@@ -60,6 +60,7 @@ def new_robot_file(
     Raises:
         InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
     """
+    require_report(progress)
     output, folders = Path(output), [Path(folder) for folder in packages]
     files = [find_urdf(str(urdf), folders, "urdf")]
     files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "hand.urdf")]

@@ -11,7 +11,7 @@ from ..arrays import Array, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, State, TaskModel
-from ..results import Setup
+from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.projection import nearest_assignment
 from ..verification.check import Verifier
@@ -57,6 +57,9 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
 
 def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:
     """Return the posture (q_a, sigma), shape (l + s,), and the joints that were given by name."""
+    if isinstance(q, Grasp | Result):
+        remedy = "Give its `joints`" if isinstance(q, Grasp) else "Give `best.joints`"
+        raise InputError(f"must be values of joints, not a {type(q).__name__}", key="joints", remedy=remedy)
     names = robot.posture_names
     if not isinstance(q, Mapping):
         try:

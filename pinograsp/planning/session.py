@@ -20,7 +20,7 @@ from ..database.store import Database, identity_of, require_identity
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..descriptions.task import Margins
-from ..errors import InputError, real_number, require_kind, whole_number
+from ..errors import InputError, real_number, require_kind, require_report, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
@@ -83,6 +83,7 @@ class Planner:
             require_kind("options", options, SolverOptions, remedy="Give SolverOptions(...)")
         if database is not None:
             require_kind("database", database, Database, Path, str)
+        require_report(progress)
         if executor is not None and not isinstance(executor, Executor):
             raise InputError("is no concurrent.futures.Executor", key="executor")
         if executor is not None and workers is not None:
@@ -138,7 +139,7 @@ class Planner:
             InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
                 another robot, enclosure or margin, or a number is out of range.
         """
-        starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0)
+        starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -11,107 +14,204 @@ from pydantic import ValidationError
 from ..arrays import Array
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.model import FileRoot
-from ..descriptions.problems import dotted
+from ..descriptions.problems import input_error
+from ..errors import MOST, InputError
 from ..verification.certificate import Certificate, Figure
 from .grasp import Contact, Cost, Grasp
 from .result import Blocked, Result
 from .setup import Setup
 
 Description = TypeVar("Description", bound=FileRoot)
-MOST = 2**53
-"""Counts from here on are those of no run."""
+Part = TypeVar("Part")
+SHOWN = 60
+"""Characters of what is wrong that an error shows."""
 
 
 def decode(data: dict[str, Any]) -> Result:
     """Return the result in JSON data.
 
     Raises:
-        AttributeError, KeyError, OverflowError, TypeError, ValueError: something is missing or of another kind.
+        InputError: something is missing or of another kind; the message names its key.
     """
     return Result(
-        setup=_setup(data["setup"]),
-        grasps=tuple(_grasp(grasp) for grasp in data["grasps"]),
-        starts=_count(data["starts"], "starts"),
-        counts={outcome: _count(count, outcome) for outcome, count in data["counts"].items()},
-        verified=_count(data["verified"], "verified"),
-        refuted=_count(data["refuted"], "refuted"),
-        blocked={kind: Blocked(**blocked) for kind, blocked in data["blocked"].items()},
-        interrupted=data["interrupted"],
-        warnings=tuple(data["warnings"]),
-        times=data["times"],
-        provenance=_mapping(data["provenance"], "provenance"),
+        setup=_part(data, "setup", _setup),
+        grasps=_parts(data, "grasps", _grasp),
+        starts=_part(data, "starts", _count),
+        counts=_named(data, "counts", _count),
+        verified=_part(data, "verified", _count),
+        refuted=_part(data, "refuted", _count),
+        blocked=_named(data, "blocked", _blocked),
+        interrupted=_part(data, "interrupted", _truth),
+        warnings=_parts(data, "warnings", _text),
+        times=_part(data, "times", _mapping),
+        provenance=_part(data, "provenance", _provenance),
     )
 
 
-def _mapping(data: Any, key: str) -> dict[str, Any]:
+def _part(data: Any, key: str | int, read: Callable[[Any], Part]) -> Part:
+    """Return what is read from a part of JSON data.
+
+    Raises:
+        InputError: it is missing or cannot be read; the key is its path from `data` on.
+    """
+    step = f"[{key}]" if isinstance(key, int) else key
+    try:
+        part = data[key]
+    except (IndexError, KeyError):
+        raise InputError("this key is missing", key=step) from None
+    except TypeError:
+        raise InputError("this key is missing: there is no block of keys", key=step) from None
+    try:
+        return read(part)
+    except InputError as error:
+        inner = error.key or ""
+        path = step + ("." if inner and not inner.startswith("[") else "") + inner
+        raise InputError(error.problem, key=path, remedy=error.remedy) from None
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
+        raise InputError(f"cannot be used (given: {_shown(part)})", key=step) from None
+
+
+def _parts(data: Any, key: str, read: Callable[[Any], Part]) -> tuple[Part, ...]:
+    """Return what is read from each part of a list."""
+
+    def each(parts: Any) -> tuple[Part, ...]:
+        if not isinstance(parts, list):
+            raise InputError(f"a list is wanted (given: {_shown(parts)})")
+        return tuple(_part(parts, index, read) for index in range(len(parts)))
+
+    return _part(data, key, each)
+
+
+def _named(data: Any, key: str, read: Callable[[Any], Part]) -> dict[str, Part]:
+    """Return what is read from each part of a block."""
+    return _part(data, key, lambda block: {name: _part(block, name, read) for name in _mapping(block)})
+
+
+def _made(kind: type[Part], data: Any, **read: Any) -> Part:
+    """Return a record of JSON data that has all of its fields and no more, with those that were read already."""
+    names = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    if missing := sorted(names - data.keys()):
+        raise InputError("this key is missing", key=missing[0])
+    if strange := sorted(data.keys() - names):
+        raise InputError("unknown key", key=strange[0])
+    return kind(**{**data, **read})
+
+
+def _shown(part: Any) -> str:
+    """Return JSON data in few characters."""
+    text = json.dumps(part)
+    return text if len(text) <= SHOWN else text[:SHOWN] + " ..."
+
+
+def _mapping(data: Any) -> dict[str, Any]:
     if not isinstance(data, dict):
-        raise TypeError(f"{key}: not a mapping")
-    if not isinstance(data.get("sha256", {}), dict):
-        raise TypeError(f"{key}.sha256: not a mapping")
+        raise InputError(f"a block of keys is wanted (given: {_shown(data)})")
     return data
 
 
-def _count(data: Any, key: str) -> int:
-    number = int(data)
-    if not 0 <= number < MOST:
-        raise ValueError(f"{key}: {'negative' if number < 0 else 'too large'}")
+def _provenance(data: Any) -> dict[str, Any]:
+    if "sha256" in _mapping(data):
+        _part(data, "sha256", _mapping)
+    return _mapping(data)
+
+
+def _truth(data: Any) -> bool:
+    if not isinstance(data, bool):
+        raise InputError(f"true or false is wanted (given: {_shown(data)})")
+    return data
+
+
+def _text(data: Any) -> str:
+    if not isinstance(data, str):
+        raise InputError(f"a text is wanted (given: {_shown(data)})")
+    return data
+
+
+def _count(data: Any) -> int:
+    if isinstance(data, bool) or not isinstance(data, int) or not 0 <= data <= MOST:
+        raise InputError(f"a whole number from 0 to {MOST} is wanted (given: {_shown(data)})")
+    return data
+
+
+def _real(data: Any) -> float:
+    if isinstance(data, bool) or not isinstance(data, int | float):
+        raise InputError(f"a number is wanted (given: {_shown(data)})")
+    number = float(data)
+    if not math.isfinite(number):
+        raise InputError(f"a finite number is wanted (given: {number})")
     return number
 
 
-def _setup(data: dict[str, Any]) -> Setup:
-    robot = _described(data["robot"], RobotDescription, "robot")
-    scene = _described(data["scene"], Scene, "scene")
-    if data["task"] not in scene.tasks:
-        raise ValueError(f"setup.task: the scene has no task {data['task']!r}")
-    return Setup(robot, scene, data["task"])
+def _setup(data: Any) -> Setup:
+    robot = _part(data, "robot", lambda part: _described(part, RobotDescription))
+    scene = _part(data, "scene", lambda part: _described(part, Scene))
+    task = _part(data, "task", _text)
+    if task not in scene.tasks:
+        raise InputError(f"the scene has no task {task!r}", key="task")
+    return Setup(robot, scene, task)
 
 
-def _described(data: Any, model: type[Description], name: str) -> Description:
+def _described(data: Any, model: type[Description]) -> Description:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        raise ValueError(f"{dotted(('setup', name, *first['loc']))}: {first['msg']}") from None
+        raise input_error(error, model, data) from None
 
 
-def _grasp(data: dict[str, Any]) -> Grasp:
-    figures = [{key: value for key, value in f.items() if key != "holds"} for f in data["certificate"]["figures"]]
+def _grasp(data: Any) -> Grasp:
     return Grasp(
-        start=_count(data["start"], "start"),
-        count=_count(data["count"], "count"),
-        joints=_finite(data["joints"]),
-        q_arm=_array(data["q_arm"]),
-        synergy=_array(data["synergy"]),
-        contact_parameters=_array(data["contact_parameters"]),
-        internal_forces=_array(data["internal_forces"]),
-        q_r=_finite(data["q_r"]),
-        cost=Cost(**_finite(data["cost"])),
-        contacts=tuple(_contact(contact) for contact in data["contacts"]),
-        certificate=Certificate(tuple(_figure(figure) for figure in figures)),
-        T_world_wrist=_array(data["T_world_wrist"], 4, 4),
+        start=_part(data, "start", _count),
+        count=_part(data, "count", _count),
+        joints=_named(data, "joints", _real),
+        q_arm=_part(data, "q_arm", _array),
+        synergy=_part(data, "synergy", _array),
+        contact_parameters=_part(data, "contact_parameters", _array),
+        internal_forces=_part(data, "internal_forces", _array),
+        q_r=_named(data, "q_r", _real),
+        cost=_part(data, "cost", _cost),
+        contacts=_parts(data, "contacts", _contact),
+        certificate=_part(data, "certificate", _certificate),
+        T_world_wrist=_part(data, "T_world_wrist", _transform),
     )
 
 
-def _array(numbers: list[float], *shape: int) -> Array:
-    return np.array(numbers, dtype=np.float64).reshape(shape or -1)
+def _cost(data: Any) -> Cost:
+    return _made(Cost, data, **{name: _part(data, name, _real) for name in _mapping(data)})
 
 
-def _finite(numbers: dict[str, Any]) -> dict[str, float]:
-    for name, number in numbers.items():
-        if not math.isfinite(number):
-            raise ValueError(f"{name} is {number}")
-    return {name: float(number) for name, number in numbers.items()}
+def _blocked(data: Any) -> Blocked:
+    return _made(Blocked, data, starts=_part(data, "starts", _count), nearest_miss=_part(data, "nearest_miss", _real))
 
 
-def _contact(data: dict[str, Any]) -> Contact:
-    vectors = {key: _array(data[key], 3) for key in ("point", "normal", "force", "desired_point")}
-    others = {"spin_torque": float(data["spin_torque"]), "T_world_pad": _array(data["T_world_pad"], 4, 4)}
-    return Contact(**{**data, **vectors, **others})
+def _array(numbers: Any, *shape: int) -> Array:
+    array = np.array(numbers)
+    if array.dtype.kind not in "if" and array.size:  # texts, truth values, blocks, null
+        raise InputError(f"numbers are wanted (given: {_shown(numbers)})")
+    return np.asarray(array, dtype=np.float64).reshape(shape or -1)
 
 
-def _figure(data: dict[str, Any]) -> Figure:
+def _vector(numbers: Any) -> Array:
+    return _array(numbers, 3)
+
+
+def _transform(numbers: Any) -> Array:
+    return _array(numbers, 4, 4)
+
+
+def _contact(data: Any) -> Contact:
+    vectors = {key: _part(data, key, _vector) for key in ("point", "normal", "force", "desired_point")}
+    spin_torque, T = _part(data, "spin_torque", _real), _part(data, "T_world_pad", _transform)
+    return _made(Contact, data, **vectors, spin_torque=spin_torque, T_world_pad=T)
+
+
+def _certificate(data: Any) -> Certificate:
+    return Certificate(_parts(data, "figures", _figure))
+
+
+def _figure(data: Any) -> Figure:
     # null stands for a number that was not finite: a value that proves nothing, a limit that does not judge.
-    value = math.nan if data["value"] is None else float(data["value"])
-    unlimited = math.inf if data["sense"] == "at most" else -math.inf
-    limit = unlimited if data["limit"] is None else float(data["limit"])
-    return Figure(**{**data, "value": value, "limit": limit})
+    unlimited = math.inf if _part(data, "sense", _text) == "at most" else -math.inf
+    value = _part(data, "value", lambda number: math.nan if number is None else _real(number))
+    limit = _part(data, "limit", lambda number: unlimited if number is None else _real(number))
+    others = {key: part for key, part in data.items() if key != "holds"}  # which follows from the others
+    return _made(Figure, others, value=value, limit=limit)

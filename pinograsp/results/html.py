@@ -11,7 +11,7 @@ from .configuration_check import ConfigurationCheck
 from .criteria import CRITERIA, Criterion, numbers_of
 from .grasp import Contact, Grasp
 from .ranking import SCORE
-from .result import Result
+from .result import ALTERED, Result
 from .table import outcome_lines
 
 
@@ -23,6 +23,8 @@ def columns() -> list[Criterion]:
 def result_html(result: Result) -> str:
     """Return a result: the best grasps that differ, and how the starts ended."""
     caption = f"{result.setup}: {result.verified} of {result.done} starts verified"
+    if result.altered:
+        caption += f"; {ALTERED}"
     headings = ["", "found", *(f"{criterion.heading} {criterion.shown_unit}".strip() for criterion in columns())]
     rows = [notebook.row(cells) for cells in grasp_rows(result)]
     listed = notebook.table(caption, rows, headings)

@@ -9,7 +9,7 @@ import dataclasses
 from pathlib import Path
 
 from ..disk import as_path, json_of, json_text, write_whole
-from ..errors import FileError, require_kind
+from ..errors import FileError, InputError, require_kind
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
 from .result import Result
@@ -45,15 +45,17 @@ def read_json(file: Path | str) -> Result:
     version = data.get("format_version") if isinstance(data, dict) else None
     if version != FORMAT_VERSION:
         raise FileError(
-            f"format version {version} cannot be read; this pinograsp reads {FORMAT_VERSION}",
+            f"format version {version!r} cannot be read; this pinograsp reads {FORMAT_VERSION}",
             file=file,
             key="format_version",
             remedy="Plan again",
         )
+    remedy = "Take another copy of the file, or plan again"
     try:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.
         return dataclasses.replace(result, altered=encode(result) != data)
-    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
-        problem = f"is damaged: {type(error).__name__} {error}"
-        raise FileError(problem, file=file, remedy="Take another copy of the file, or plan again") from None
+    except InputError as error:
+        raise FileError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
+        raise FileError("is damaged: its parts do not fit together", file=file, remedy=remedy) from None

@@ -16,6 +16,8 @@ from .setup import Setup
 
 WITHSTAND = "withstand"
 """Kind of what blocks a start whose grasp withstands less than the task asks for."""
+ALTERED = "its file was changed since it was written"
+"""Said wherever a result is shown that somebody changed (`Result.altered`)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,7 +160,8 @@ class Result(Record):
 
     def __repr__(self) -> str:
         starts = f"{self.verified} of {self.done} starts verified"
-        return f"<Result: {len(self.grasps)} distinct grasps, {starts}; {self.setup}>"
+        altered = f"; {ALTERED}" if self.altered else ""
+        return f"<Result: {len(self.grasps)} distinct grasps, {starts}; {self.setup}{altered}>"
 
     def _repr_html_(self) -> str:
         from .html import result_html  # as `Grasp` does

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import robot_for
-from ..errors import InputError, require_kind
+from ..errors import InputError, require_kind, require_report
 from ..frozen import Record
 from ..progress import Progress, Report, no_report
 from ..verification import Certificate
@@ -66,6 +66,7 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
         InputError: it is no result, or a file of the robot is missing or cannot be read.
     """
     require_kind("result", result, Result, remedy="Read it with `read_json`")
+    require_report(progress)
     setup = result.setup
     found = list(_of_the_whole(result))
     verifier = Verifier(setup.robot, setup.scene, setup.task)

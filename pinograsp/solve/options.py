@@ -37,7 +37,7 @@ class SolverOptions:
         """Refuse numbers that make no sense, and names that nothing has."""
         backend_of(self.algorithm)
         if self.max_evaluations is not None:
-            whole_number("max_evaluations", self.max_evaluations, 1)
+            whole_number("max_evaluations", self.max_evaluations, 1, 2**31 - 1)  # NLopt counts no further
         whole_number("tries", self.tries, 1)
         for name in ("tolerance", "cost_tolerance"):
             real_number(name, getattr(self, name), 0.0)

@@ -1,0 +1,53 @@
+"""YAML with the words and numbers of YAML 1.2, its "core schema": https://yaml.org/spec/1.2.2/#103-core-schema.
+
+PyYAML reads YAML 1.1, where 1:30 is 90, 010 is 8, 1_0 is 10, 1e-3 is a text, and `on`, `no` and dates are no texts.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import yaml
+
+_TAG = "tag:yaml.org,2002:"
+_NOT_FINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_WORDS = {
+    "null": (r"~|null|Null|NULL|", "~nN"),
+    "bool": (r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    "int": (r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", "-+0123456789"),
+    "float": (
+        rf"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|{_NOT_FINITE.pattern}",
+        "-+.0123456789",
+    ),
+    "merge": (r"<<", "<"),  # of YAML 1.1: files repeat what they share with it
+}
+"""By tag: what is read as one, and the characters that it begins with. The first that fits counts."""
+
+
+class Yaml(yaml.SafeLoader):
+    """A loader for `yaml.load`; plain scalars that are no word or number of YAML 1.2 are texts."""
+
+    yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 - as PyYAML has it
+
+
+def _int(loader: Yaml, node: yaml.ScalarNode) -> int:
+    text = str(loader.construct_scalar(node))
+    return int(text, 0) if text.startswith(("0o", "0x")) else int(text)
+
+
+def _float(loader: Yaml, node: yaml.ScalarNode) -> float:
+    text = str(loader.construct_scalar(node))
+    return float(text.replace(".", "")) if _NOT_FINITE.fullmatch(text) else float(text)
+
+
+def _set_up() -> None:
+    for word, (pattern, beginnings) in _WORDS.items():
+        first = [*beginnings, ""] if word == "null" else list(beginnings)
+        Yaml.add_implicit_resolver(_TAG + word, re.compile(rf"(?:{pattern})\Z"), first)
+    numbers: dict[str, Callable[[Yaml, yaml.ScalarNode], float]] = {"int": _int, "float": _float}
+    for word, read in numbers.items():
+        Yaml.add_constructor(_TAG + word, read)
+
+
+_set_up()
