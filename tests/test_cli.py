@@ -18,6 +18,7 @@ import pytest
 import pinograsp
 from pinograsp import cli
 from pinograsp.cli.folders import file_name
+from pinograsp.cli.interrupts import held_interrupts
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
@@ -418,14 +419,14 @@ def interrupted(folder: Path, stage: str, *arguments: object) -> tuple[int, str]
 @needs_proc
 def test_ctrl_c_while_grading_keeps_every_grasp(tmp_path: Path) -> None:
     code, said = interrupted(
-        tmp_path, "resistance", "plan", "glovebox", "--task", "sphere", "--starts", 40, "--no-html"
+        tmp_path, "resistance", "plan", "glovebox", "--task", "sphere", "--starts", 400, "--no-html"
     )
     assert code == 130, said
     (written,) = (tmp_path / "out").iterdir()
     result = pinograsp.read_json(written)
     assert result.interrupted
-    assert result.done == 40
-    assert sum(grasp.count for grasp in result.grasps) == result.verified > 20
+    assert result.done == 400
+    assert sum(grasp.count for grasp in result.grasps) == result.verified > 200
     graded = sum("Q_force" in grasp.certificate for grasp in result.grasps)
     assert 0 < graded < len(result.grasps)
     assert "interrupted: the resistance of some grasps is not known" in said
@@ -485,3 +486,11 @@ def test_ctrl_c_within_an_import_is_not_lost(module: str, tmp_path: Path) -> Non
     assert done.returncode == 130, done.stderr
     assert done.stderr == "error: interrupted\n"
     assert list((tmp_path / "out").glob("*")) == []
+
+
+def test_ctrl_c_while_files_are_written_comes_after_them() -> None:
+    written = []
+    with pytest.raises(KeyboardInterrupt), held_interrupts():
+        os.kill(os.getpid(), signal.SIGINT)
+        written.append("file")
+    assert written == ["file"]

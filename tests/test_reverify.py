@@ -272,9 +272,8 @@ def test_a_grasp_that_cannot_be_checked_differs(
     assert words in difference.recomputed
 
 
-@pytest.mark.parametrize("value", [1e300, None])
-def test_a_number_that_is_none_differs(value: float | None, data: dict[str, Any], reread: Reread, quick: None) -> None:
-    tampered = sealed(changed(data, ("grasps", 0, "contacts", 0, "force", 0), value))
+def test_a_number_beyond_any_force_differs(data: dict[str, Any], reread: Reread, quick: None) -> None:
+    tampered = sealed(changed(data, ("grasps", 0, "contacts", 0, "force", 0), 1e300))
     with np.errstate(all="ignore"):
         found = {difference.what for difference in verify(reread(tampered))}
     assert {"certificate.verified", "certificate.figures.friction.value", "cost.V"} <= found
@@ -456,7 +455,8 @@ def test_one_line_a_difference(data: dict[str, Any], run: Run, quick: None, tmp_
     U = data["grasps"][0]["cost"]["U"]
     file.write_text(json.dumps(changed(data, ("grasps", 0, "cost", "U"), 2.0)))
     code, output, errors = run(file)
-    assert (code, errors) == (1, "")
+    assert code == 1
+    assert errors.endswith("its file was changed since it was written\n")
     first, second, summary = output.splitlines()
     assert first == 'result: content of the file: "unchanged" stated, "changed since it was written" recomputed'
     stated, recomputed = re.fullmatch(r"grasp 1: cost\.U: (\S+) stated, (\S+) recomputed", second).groups()  # type: ignore[union-attr]

@@ -10,7 +10,6 @@ import typer
 
 import pinograsp
 
-from ..frozen import json_data
 from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
@@ -174,6 +173,8 @@ def coverage(
         progress(Progress("counting voxels", 0))
         found = pinograsp.Coverage.of(opened, **given(voxel=voxel))
     title = f"{found.rows:,} configurations in {file.name}"
+    from ..frozen import json_data  # with NumPy, which help does not need
+
     shown = ("rows", "voxel", "origin", "voxels", "reached", "mean_directions")
     document = {name: json_data(getattr(found, name)) for name in shown}
     line = (

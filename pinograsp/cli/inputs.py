@@ -64,7 +64,7 @@ def read_result(file: Path, terminal: Terminal) -> pinograsp.Result:
     if result.altered:
         from ..results.result import ALTERED
 
-        terminal.warn(f"{file}: this result may be wrong: {ALTERED}. See what differs with pinograsp verify")
+        terminal.warn(f"{file}: this result may be wrong: {ALTERED}")
     return result
 
 

@@ -28,6 +28,19 @@ def late_interrupts() -> Iterator[None]:
             signal.signal(number, handler)
 
 
+@contextmanager
+def held_interrupts() -> Iterator[None]:
+    """Have a Ctrl-C that comes in the block raise KeyboardInterrupt at its end: files are written first."""
+    came: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    if came:
+        raise KeyboardInterrupt
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     while frame is not None:
         if frame.f_code.co_filename == IMPORTING:

@@ -15,6 +15,7 @@ from . import arguments, completion
 from .arguments import INTERRUPTED, as_options, command, given
 from .folders import file_name, make_folder, remove, save
 from .inputs import read_robot, read_scene
+from .interrupts import held_interrupts
 from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
 
@@ -74,6 +75,8 @@ def plan(
     with as_options({"by": "--rank-by", "algorithm": "--algorithm", "max_evaluations": "--max-evaluations"}):
         require_order(rank_by)
         options = pinograsp.SolverOptions(**given(algorithm=algorithm, max_evaluations=max_evaluations))
+    from ..results.encoding import encode
+
     make_folder(out)
     with terminal.progress() as progress, as_options({"starts": "--starts", "workers": "--workers"}):
         model = read_robot(robot)
@@ -88,9 +91,8 @@ def plan(
             database=database,
             progress=progress,
         )
-    from ..results.encoding import encode
-
-    saved = list(_saved(result, out, rank_by, html))  # first of all: then a terminal that is gone loses nothing
+    with held_interrupts():
+        saved = list(_saved(result, out, rank_by, html))  # first of all: then a terminal that is gone loses nothing
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
     for line in saved:
         terminal.say(line)

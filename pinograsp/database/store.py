@@ -121,7 +121,12 @@ class Database:
             return self.connection.execute(sql, values).fetchall()
 
     def select_columns(self, sql: str, values: Mapping[str, Any] | None = None) -> dict[str, NDArray[Any]]:
-        """Return the rows of a query as one array for each column; as `select`."""
+        """Return the rows of a query as one array for each column.
+
+        Args:
+            sql: as for `select`.
+            values: as for `select`.
+        """
         with interruptible():
             return dict(self.connection.execute(sql, values).fetchnumpy())
 
