@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from hypothesis import settings
 from numpy.typing import NDArray
 
 import pinograsp
+from pinograsp import cli
 from pinograsp.cli import reporters
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
@@ -347,3 +349,21 @@ def soft_gen3(gen3: Robot, tmp_path_factory: pytest.TempPathFactory) -> Robot:
 def _written(file: Path, content: dict[str, Any]) -> Path:
     file.write_text(yaml.safe_dump(content))
     return file
+
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def run_once(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out, captured.err
+
+    return run_once

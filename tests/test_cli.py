@@ -10,13 +10,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from conftest import Run
 
 import pinograsp
-from pinograsp import cli
 from pinograsp.cli.folders import file_name
 from pinograsp.cli.interrupts import held_interrupts
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
@@ -27,23 +26,7 @@ ROBOT = shipped_robots()["gen3_2f85"].read_text()
 SCENE = shipped_scenes()["glovebox"].read_text()
 COMMAND = [sys.executable, "-c", "from pinograsp.cli import main; main()"]
 
-Run = Callable[..., tuple[int, str, str]]
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
-    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_once(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out, captured.err
-
-    return run_once
 
 
 def changed(text: str, old: str, new: str) -> str:

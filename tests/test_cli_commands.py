@@ -6,33 +6,16 @@ import dataclasses
 import json
 import math
 import re
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from conftest import Run
 
 import pinograsp
-from pinograsp import Result, Robot, Scene, cli
+from pinograsp import Result, Robot, Scene
 
-Run = Callable[..., tuple[int, str, str]]
 NAMES = "glovebox_sphere_gen3_2f85"
 HAND = "robotiq_85_left_knuckle_joint"
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
-    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_once(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out, captured.err
-
-    return run_once
 
 
 @pytest.fixture(scope="module")

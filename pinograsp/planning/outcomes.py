@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -29,17 +30,27 @@ class Run:
     starts: int
     warnings: tuple[str, ...] = ()
     attempts: list[Attempt] = field(default_factory=list)
+    verified: int = 0
+    """Attempts with a grasp; counted as they come, as progress is reported after each."""
+    best_U: float = math.inf
+    """Least U of these."""
     times: dict[str, float] = field(default_factory=dict)
     """Seconds per stage."""
     facts: dict[str, Any] = field(default_factory=dict)
     """Seed, options and database, for the provenance."""
     interrupted: bool = False
 
+    def add(self, attempt: Attempt) -> None:
+        """Take in what became of a start."""
+        self.attempts.append(attempt)
+        if attempt.grasp:
+            self.verified += 1
+            self.best_U = min(self.best_U, attempt.grasp.cost.U)
+
     def progress(self, total: int) -> Progress:
         """Return how far the run is, of so many starts: with how many are `verified`, and the `best U` of these."""
-        costs = [attempt.grasp.cost.U for attempt in self.attempts if attempt.grasp]
-        best = {"best U": min(costs)} if costs else {}
-        return Progress("starts", len(self.attempts), total, {"verified": len(costs), **best})
+        best = {"best U": self.best_U} if self.verified else {}
+        return Progress("starts", len(self.attempts), total, {"verified": self.verified, **best})
 
     def count_starts(self, found: int, rows: int, radius: float) -> None:
         """Warn where fewer starts were found than asked for.
@@ -75,7 +86,7 @@ class Run:
             grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
-            verified=sum(1 for attempt in attempts if attempt.grasp),
+            verified=self.verified,
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,

@@ -162,7 +162,7 @@ class Planner:
             prepare = partial(attempts_of, model, solver_of)
             with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
                 for done in running:
-                    run.attempts.append(done)
+                    run.add(done)
                     self._report(run.progress(len(postures)))
         except KeyboardInterrupt:
             run.interrupted = True

@@ -16,6 +16,9 @@ SAME_JOINTS = 0.02
 SAME_POINTS = 0.001
 """Largest distance between contact points of near-identical grasps, m."""
 
+_FIRST = 1.01 * SAME_POINTS**2
+"""Squared distance beyond which a contact point is farther away than that, whatever the rounding, m^2."""
+
 
 def merge(grasps: Sequence[Grasp]) -> tuple[Grasp, ...]:
     """Return the grasps in the default order, each the one of least U of those near it; their counts are summed.
@@ -32,10 +35,12 @@ def merge(grasps: Sequence[Grasp]) -> tuple[Grasp, ...]:
     for i, grasp in enumerate(by_cost):
         if not remaining[i]:
             continue
-        turn = np.abs(without_turns(joints - joints[i])).max(axis=1)
-        slide = np.linalg.norm(points - points[i], axis=2).max(axis=1)
-        near = remaining & (turn <= SAME_JOINTS) & (slide <= SAME_POINTS)
-        remaining &= ~near
-        count = sum(by_cost[j].count for j in np.flatnonzero(near))
+        # Few are near in their first contact: only these are looked at as a whole.
+        near = np.flatnonzero(remaining & (((points[:, 0] - points[i, 0]) ** 2).sum(axis=1) <= _FIRST))
+        slide = np.linalg.norm(points[near] - points[i], axis=2).max(axis=1)
+        turn = np.abs(without_turns(joints[near] - joints[i])).max(axis=1)
+        near = near[(turn <= SAME_JOINTS) & (slide <= SAME_POINTS)]
+        remaining[near] = False
+        count = sum(by_cost[j].count for j in near)
         merged.append(dataclasses.replace(grasp, count=count))
     return ordered(merged)
