@@ -20,7 +20,7 @@ from pinograsp.descriptions.robot import RobotDescription
 from pinograsp.verification.check import Verifier
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.robot import read_robot
-from pinograsp.verification.shapes import PENETRATION
+from pinograsp.verification.shapes.core import PENETRATION
 from pinograsp.verification.standing_out import _part, standing_out
 
 

@@ -31,7 +31,9 @@ from pinograsp.geometry.shapes import SURFACES, surface_of
 from pinograsp.geometry.shapes.sphere import SphereSurface
 from pinograsp.geometry.tessellation import Tessellation, refined
 from pinograsp.kinematics.robot import Robot
-from pinograsp.verification.shapes import GEOMETRY, PENETRATION, PlacedShape, SphereGeometry
+from pinograsp.verification.shapes import GEOMETRY, PlacedShape
+from pinograsp.verification.shapes.core import PENETRATION
+from pinograsp.verification.shapes.sphere import SphereGeometry
 from pinograsp.visualization import write_html
 from pinograsp.visualization.scene import draw_scene
 from pinograsp.visualization.surfaces import surface_mesh

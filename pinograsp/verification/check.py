@@ -27,7 +27,8 @@ from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .resistance import Hold, drive_torques, hold_of, is_graded, mass_of, resistance_figures, with_resistance
 from .robot import read_robot
-from .shapes import PENETRATION, PlacedShape
+from .shapes import PlacedShape
+from .shapes.core import PENETRATION
 from .standing_out import standing_out
 from .synergies import Synergies
 

@@ -19,7 +19,8 @@ from ..arrays import Array
 from .certificate import Figure
 from .kinematics import Poses
 from .link_mesh import LinkMesh
-from .shapes import PENETRATION, PlacedShape
+from .shapes import PlacedShape
+from .shapes.core import PENETRATION
 
 Walls = Mapping[str, tuple[Array, float]]
 LinkPair = tuple[LinkMesh, LinkMesh]

@@ -17,7 +17,8 @@ from .kinematics import Poses
 from .patches import contact_face, nearest_on_patch, rim_distance
 from .region_depth import least_depth
 from .regions import depth
-from .shapes import PENETRATION, PlacedShape
+from .shapes import PlacedShape
+from .shapes.core import PENETRATION
 
 REGION_TOLERANCE = 1e-9
 """How far a contact point may be outside its region, m."""

@@ -21,7 +21,7 @@ from ..descriptions.patches import CylinderPatch, Patch, SpherePatch
 from ..memo import remembered
 from .link_mesh import LinkMesh
 from .robot import VerifiedRobot
-from .shapes import PENETRATION
+from .shapes.core import PENETRATION
 
 BULGE = 1e-4
 """How far a triangle may reach out of a curved pad's surface continued, m: facets do not follow it exactly."""
