@@ -35,6 +35,8 @@ class PlacedSolid(NamedTuple):
     number: int
     body: Body
     solid: Solid
+    parts: tuple[int, ...] = ()
+    """Numbers of the solids that it is the hull of; none of a solid that is measured itself."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,14 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
     numbers = count()
     carried, around = world.of("link", "held"), world.of("wall", "obstacle", "target")
     fine = [PlacedSolid(next(numbers), body, solid) for body in carried for solid in body.solids]
-    hulls = [PlacedSolid(next(numbers), body, hull.solid) for body in carried for hull in body.hulls]
+    own: dict[BodyKey, list[int]] = {}
+    for placed in fine:
+        own.setdefault(placed.body.key, []).append(placed.number)
+    hulls = [
+        PlacedSolid(next(numbers), body, hull.solid, tuple(own[body.key][part] for part in hull.parts))
+        for body in carried
+        for hull in body.hulls
+    ]
     others = [PlacedSolid(next(numbers), body, solid) for body in around for solid in body.solids]
 
     def to(role: Role) -> list[PlacedSolid]:

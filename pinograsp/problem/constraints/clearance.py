@@ -96,10 +96,13 @@ def _smooth_minima(
     least, far = np.full(len(counts), everything_far), counts.copy()
     for pair in range(len(above)):
         bent[pair], slopes[pair] = bend(above[pair], reach)
-        least[links[pair]] = min(least[links[pair]], bent[pair])
-        far[links[pair]] -= 1
-    weights, sums = np.empty(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
+        if above[pair] < reach:  # else it counts as one that was not measured, to the last bit
+            least[links[pair]] = min(least[links[pair]], bent[pair])
+            far[links[pair]] -= 1
+    weights, sums = np.zeros(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
     for pair in range(len(above)):
+        if above[pair] >= reach:
+            continue
         weights[pair] = math.exp((least[links[pair]] - bent[pair]) / SMOOTHING)
         sums[links[pair]] += weights[pair]
     jacobian = np.zeros((len(counts), gradients.shape[1]))
