@@ -62,19 +62,19 @@ class BallTree:
         balls = _balls(self.order, self.ranges, centers, self.radii)
         return BallTree(centers, self.radii, self.order, self.ranges, balls)
 
-    def near(self, rotations: Array, points: Array, halves: Array, reach: float) -> tuple[Indices, Indices]:
-        """Return the pairs of a box and a ball that are nearer to each other than `reach`.
+    def near(self, rotations: Array, points: Array, halves: Array, reaches: Array) -> tuple[Indices, Indices]:
+        """Return the pairs of a box and a ball that are nearer to each other than the box's reach.
 
         Args:
             rotations: of the boxes, their edges as columns, shape (k, 3, 3).
             points: their centres, m, shape (k, 3).
             halves: half their edges, m, shape (k, 3).
-            reach: m.
+            reaches: of the boxes, m, shape (k,).
 
         Returns:
             Numbers of the boxes, ascending, and of the members; both of shape (pairs,).
         """
-        return _near(rotations, points, halves, reach, self.centers, self.radii, self.order, self.ranges, self.balls)
+        return _near(rotations, points, halves, reaches, self.centers, self.radii, self.order, self.ranges, self.balls)
 
 
 @compiled
@@ -102,7 +102,7 @@ def _near(
     rotations: Array,
     points: Array,
     halves: Array,
-    reach: float,
+    reaches: Array,
     centers: Array,
     radii: Array,
     order: Indices,
@@ -111,7 +111,7 @@ def _near(
 ) -> tuple[Indices, Indices]:
     rows, members, count = np.empty(64, dtype=np.intp), np.empty(64, dtype=np.intp), 0
     for row in range(len(points)):
-        R, point, half = rotations[row], points[row], halves[row]
+        R, point, half, reach = rotations[row], points[row], halves[row], reaches[row]
         node = 0
         while node < len(ranges):
             ball = balls[node]

@@ -169,11 +169,10 @@ class BatchClearance:
     def _lower_by_obstacles(self, frames: GroupFrames, result: Array) -> None:
         """Lower the clearances by obstacles: in each configuration by the pair of pieces that may be nearest first."""
         margin, poses = self._margins["obstacle"], dict[tuple[int, bytes], Any]()
-        which, pieces, members, bounds = self._near_obstacles(frames)
+        which, pieces, members, bounds = self._near_obstacles(frames, np.maximum(result, margin))
         order, known = np.lexsort((bounds, which)), result.tolist()
-        for n, number, member, bound in zip(
-            *(a[order].tolist() for a in (which, pieces, members, bounds)), strict=True
-        ):
+        pairs = (numbers[order].tolist() for numbers in (which, pieces, members, bounds))
+        for n, number, member, bound in zip(*pairs, strict=True):
             if bound >= max(known[n], margin) or known[n] == -np.inf:
                 continue
             piece = self._pieces[number]
@@ -184,8 +183,8 @@ class BatchClearance:
             known[n] = -np.inf if distance < margin else min(known[n], distance)
         result[:] = known
 
-    def _near_obstacles(self, frames: GroupFrames) -> tuple[Indices, Indices, Indices, Array]:
-        """Return the pairs of a piece of a link and an obstacle's that may be nearer than distances are told apart.
+    def _near_obstacles(self, frames: GroupFrames, most: Array) -> tuple[Indices, Indices, Indices, Array]:
+        """Return the pairs of a piece of a link and an obstacle's that may be nearer than `most`, m, shape (N,).
 
         Returns:
             Configurations, numbers of the pieces and of the obstacles' pieces, and lower bounds of the distances, m,
@@ -196,11 +195,11 @@ class BatchClearance:
             R, p = frames.rotations[hull.group], frames.translations[hull.group]
             count = len(hull.parts)
             halves = np.tile(half_edges(hull.shape), (len(p), 1))
-            rows, members = self._tree.near(R @ hull.placement[:3, :3], R @ hull.center + p, halves, self._cap)
+            rows, members = self._tree.near(R @ hull.placement[:3, :3], R @ hull.center + p, halves, most)
             placements, centers, own = (part[first : first + count] for part in self._boxes)
             rotations, theirs, their_halves = self._their_boxes
             which, parts, members, bounds = _close(
-                rows, members, R, p, placements, centers, own, rotations, theirs, their_halves, self._cap
+                rows, members, R, p, placements, centers, own, rotations, theirs, their_halves, most
             )
             found.append((which, first + parts, members, bounds))
             first += count
@@ -249,9 +248,9 @@ def _close(
     rotations: Array,
     theirs: Array,
     their_halves: Array,
-    cap: float,
+    most: Array,
 ) -> tuple[Indices, Indices, Indices, Array]:
-    """Return the pairs of a link's pieces and obstacles' whose boxes may be nearer than `cap`, with their gap.
+    """Return the pairs of a link's pieces and obstacles' whose boxes may be nearer than `most`, with their gap.
 
     Args:
         rows: configurations in which the link's hull is near to an obstacle's piece, shape (k,).
@@ -264,11 +263,11 @@ def _close(
         rotations: of the obstacles' pieces in the world, shape (n, 3, 3).
         theirs: centres of their boxes in the world, m, shape (n, 3).
         their_halves: half edges of their boxes, m, shape (n, 3).
-        cap: m.
+        most: m, shape (N,).
     """
-    most = len(rows) * len(centers)
-    which, pieces, found = np.empty(most, dtype=np.intp), np.empty(most, dtype=np.intp), np.empty(most, dtype=np.intp)
-    bounds, count = np.empty(most), 0
+    size = len(rows) * len(centers)
+    which, pieces, found = np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp)
+    bounds, count = np.empty(size), 0
     turned, apart = np.empty((3, 3)), np.empty(3)
     for k in range(len(rows)):
         n, member = rows[k], members[k]
@@ -281,7 +280,7 @@ def _close(
                     for m in range(3):
                         turned[i, j] += R[n, i, m] * placements[piece, m, j]
             gap = box_gap(turned, halves[piece], rotations[member], their_halves[member], apart)
-            if gap < cap + ROUNDING:
+            if gap < most[n] + ROUNDING:
                 which[count], pieces[count], found[count], bounds[count] = n, piece, member, gap - ROUNDING
                 count += 1
     return which[:count].copy(), pieces[:count].copy(), found[:count].copy(), bounds[:count].copy()

@@ -85,7 +85,7 @@ class CollisionModel:
         self._hulls = np.array([hull.number for hull in hulls], dtype=np.intp)
         self._parts = np.array([part for hull in hulls for part in hull.parts], dtype=np.intp)
         self._ends = np.cumsum([0, *(len(hull.parts) for hull in hulls)])
-        self._around = REACH + world.margins.get("obstacle", 0.0)
+        self._around = np.full(len(hulls), REACH + world.margins.get("obstacle", 0.0))
         self._moves = robot.supports[self.joints[self._second]] - robot.supports[self.joints[self._first]]
         # Of the walls, in their own frames; rows of other solids are not used.
         self._normals, self._offsets = np.zeros((len(solids), 3)), np.zeros(len(solids))
