@@ -49,7 +49,8 @@ class Clearance(Inside):
         self.rows = tuple(f"clearance of {link}" for link in self.links)
         self._pairs = pairs
         self._margins = np.array([pair.margin for pair in pairs])
-        self._link_of = np.array([self.links.index(pair.link) for pair in pairs])
+        numbers = {link: number for number, link in enumerate(self.links)}
+        self._link_of = np.array([numbers[pair.link] for pair in pairs])
         self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def inside(self, state: State) -> Residual:
