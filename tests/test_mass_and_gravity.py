@@ -1,4 +1,4 @@
-"""Mass and gravity instead of a force: one load and one mass for everybody who asks, in whatever direction things fall."""
+"""Mass and gravity instead of a force: one load and one mass for everybody who asks, wherever things fall."""
 
 from __future__ import annotations
 
