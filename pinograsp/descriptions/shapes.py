@@ -6,13 +6,14 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
 from .model import Frozen
-from .pose import Pose
+from .pose import ZERO, Pose
 from .values import NotNegative, Positive, listed, wrong
 
 
@@ -20,6 +21,16 @@ class ShapeDescription(Frozen):
     """A shape in its own frame; each class narrows `type` to its name."""
 
     type: str
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the shape filled evenly, in its own frame, m."""
+        return ZERO
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        raise NotImplementedError(f"the shape {self.type} has no volume")
 
 
 class Sphere(ShapeDescription):
@@ -29,6 +40,11 @@ class Sphere(ShapeDescription):
     radius: Positive
     """m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * self.radius**3
+
 
 class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
@@ -36,6 +52,11 @@ class Box(ShapeDescription):
     type: Literal["box"] = "box"
     size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     """Edge lengths along x, y, z, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.prod(self.size)
 
 
 class Cylinder(ShapeDescription):
@@ -47,6 +68,11 @@ class Cylinder(ShapeDescription):
     height: Positive
     """Along z, m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * self.height
+
 
 class Capsule(ShapeDescription):
     """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
@@ -56,6 +82,11 @@ class Capsule(ShapeDescription):
     """m."""
     length: Positive
     """Between the centres of the two end balls, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * (self.length + 4.0 / 3.0 * self.radius)
 
 
 class Cone(ShapeDescription):
@@ -75,6 +106,19 @@ class Cone(ShapeDescription):
             raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
         return self
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        bottom, top = self.bottom_radius, self.top_radius
+        return math.pi / 3.0 * self.height * (bottom**2 + bottom * top + top**2)
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
+        wider = max(self.bottom_radius, self.top_radius)
+        bottom, top = self.bottom_radius / wider, self.top_radius / wider
+        return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
+
 
 class Ellipsoid(ShapeDescription):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
@@ -82,6 +126,11 @@ class Ellipsoid(ShapeDescription):
     type: Literal["ellipsoid"] = "ellipsoid"
     semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     """Along x, y, z, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * math.prod(self.semi_axes)
 
 
 SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
@@ -111,6 +160,22 @@ class Compound(ShapeDescription):
     type: Literal["compound"] = "compound"
     parts: Annotated[tuple[Part, ...], BeforeValidator(listed), Field(min_length=1)]
     """At least one, in the compound's frame."""
+
+    @property
+    def volume(self) -> float:
+        """m^3; what parts share counts in each of them."""
+        return sum(part.shape.volume for part in self.parts)
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the parts filled evenly, in the compound's frame, m; what they share counts in each."""
+        sums = [0.0, 0.0, 0.0]
+        for part in self.parts:
+            T, share = part.pose.matrix, part.shape.volume / self.volume
+            for axis in range(3):
+                turned = sum(T[axis, k] * part.shape.centroid[k] for k in range(3))
+                sums[axis] += share * float(turned + T[axis, 3])
+        return sums[0], sums[1], sums[2]
 
 
 SHAPES.add(Compound)
