@@ -7,7 +7,6 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
