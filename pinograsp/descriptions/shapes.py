@@ -6,19 +6,27 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
+from .mesh_files import MeshAddress, Unit, content_digest
 from .model import Frozen
+from .pose import ZERO
 from .values import NotNegative, Positive, listed, wrong
 
 
 class ShapeDescription(Frozen):
-    """A convex shape in its own frame; each class narrows `type` to its name."""
+    """A shape in its own frame; each class narrows `type` to its name."""
 
     type: str
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the shape filled evenly, in its own frame, m."""
+        return ZERO
 
 
 class Sphere(ShapeDescription):
@@ -74,6 +82,13 @@ class Cone(ShapeDescription):
             raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
         return self
 
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
+        wider = max(self.bottom_radius, self.top_radius)
+        bottom, top = self.bottom_radius / wider, self.top_radius / wider
+        return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
+
 
 class Ellipsoid(ShapeDescription):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
@@ -83,7 +98,40 @@ class Ellipsoid(ShapeDescription):
     """Along x, y, z, m."""
 
 
-SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
+class Mesh(ShapeDescription):
+    """The body that the triangles of a file enclose, in the file's own frame."""
+
+    type: Literal["mesh"] = "mesh"
+    file: MeshAddress
+    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute, or `package://`; absolute when it was read."""
+    scale: Positive | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)] = 1.0
+    """Factor on the file's coordinates, or one along each axis; besides the unit."""
+    unit: Unit | None = None
+    """Of the file's coordinates; by default metres, or what the file says, or mm if the body were larger than 3 m."""
+    largest_hole: NotNegative = 0.002
+    """Holes of up to this diameter are closed; larger ones are refused; m."""
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+    """Of the file's content, which must have it; by default that of the file when the scene is read."""
+
+    @model_validator(mode="after")
+    def _content_fixed(self) -> Self:
+        if self.sha256 is None:
+            self.__dict__["sha256"] = content_digest(self.file)
+        return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return the same with some fields replaced; another file has another content."""
+        if update and "file" in update:
+            update = {"sha256": None, **update}
+        return super().model_copy(update=update, deep=deep)
+
+    @property
+    def scales(self) -> tuple[float, float, float]:
+        """Factors on the file's coordinates along x, y, z, besides the unit."""
+        return self.scale if isinstance(self.scale, tuple) else (self.scale, self.scale, self.scale)
+
+
+SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)
 """Every shape that a scene file may have."""
 
 Shape = Annotated[ShapeDescription, SHAPES]
