@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import coal
+import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ..arrays import Array, Integers
@@ -24,6 +25,14 @@ def triangle_tree(vertices: Array, faces: Integers) -> Any:
     tree.endModel()
     tree.computeLocalAABB()
     return tree
+
+
+def hull_corners(points: Array) -> Array:
+    """Return the corners of the convex hull of points, shape (n, 3); all of them where they are flat."""
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points
 
 
 def hull_solid(points: Array) -> Any | None:

@@ -6,7 +6,7 @@ import contextlib
 import io
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..disk import cache_folder, digest, write_whole
 from ..errors import InputError
-from .coal_bodies import hull_solid, triangle_tree
+from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 VERSION = 1
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
@@ -75,6 +75,27 @@ class LinkMesh:
         near = points[((points >= low) & (points <= high)).all(axis=1)]
         candidates = near[(near @ normals.T <= offsets).all(axis=1)]
         return bool(len(candidates)) and bool((np.abs(self._winding.winding_number(candidates)) > 0.5).any())
+
+    def opened(self, vertices: Array, faces: Integers) -> LinkMesh:
+        """Return triangles that were cut out of the mesh; cut open, they enclose nothing.
+
+        Whether something is inside the link is to be asked of the whole link.
+
+        Args:
+            vertices: shape (v, 3), m.
+            faces: which of them are used, shape (f, 3).
+        """
+        used, numbers = np.unique(faces, return_inverse=True)
+        corners = np.asarray(vertices[used], dtype=np.float64)
+        return replace(
+            self,
+            vertices=corners,
+            faces=numbers.reshape(-1, 3).astype(np.int64),
+            hull=hull_corners(corners),
+            hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
+            members=corners[:1],
+            radius=float(np.linalg.norm(corners - self.center, axis=1).max()),
+        )
 
 
 def kept(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:

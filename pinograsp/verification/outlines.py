@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,23 +12,32 @@ from ..arrays import Array
 from ..descriptions.patches import CylinderPatch, LinePatch, PlanePatch
 from .patches import nearest_on_patch
 
+LEAST_SIDE = 1e-3
+"""Half a side that a pad has at least, m: a line without a width bears on some rubber."""
+
 
 @dataclass(frozen=True)
-class Outline:
-    """Where the rubber of a pad touches: a rectangle in the pad's tangent plane at a contact; patch frame."""
+class Rubber:
+    """Where the rubber of a pad touches what it yields to: a rectangle in the pad's tangent plane at a contact, m."""
 
     origin: Array
-    """Of the rectangle's frame, on the pad, m, shape (3,)."""
+    """Of the rectangle's frame, on the pad, shape (3,)."""
     rotation: Array
-    """Shape (3, 3); columns x, y, outward normal."""
+    """Of the rectangle's frame, shape (3, 3); columns x, y, outward normal."""
     low: Array
-    """Least coordinates along x and y, m, shape (2,)."""
+    """Least coordinates along x and y, shape (2,)."""
     high: Array
-    """Greatest coordinates, shape (2,)."""
+    """Greatest coordinates along x and y, shape (2,)."""
+    depth: float
+    """By which it yields."""
+
+    def moved(self, rotation: Array, origin: Array) -> Rubber:
+        """Return the same in the frame of this pose in its present frame."""
+        return replace(self, origin=(self.origin - origin) @ rotation, rotation=rotation.T @ self.rotation)
 
 
-def outline(patch: Any, point: Array, depth: float) -> Outline:
-    """Return where rubber that yields by a depth touches what is tangent to it at a point.
+def rubber_at(patch: Any, point: Array, depth: float) -> Rubber:
+    """Return where rubber that yields by a depth touches what is tangent to it at a point; patch frame.
 
     A flat pad touches with all of its face. In a direction in which a pad of radius R is curved, rubber that is pressed
     in by `depth` touches sqrt(2 R depth) to each side, or less where the patch ends.
@@ -40,24 +49,27 @@ def outline(patch: Any, point: Array, depth: float) -> Outline:
     """
     match patch:
         case PlanePatch():
-            return Outline(np.zeros(3), np.eye(3), *np.transpose([patch.u, patch.v]))
+            return _flat(patch.u, patch.v, depth)
         case LinePatch():
-            half = 0.5 * patch.width
-            return Outline(np.zeros(3), np.eye(3), *np.transpose([patch.u, (-half, half)]))
+            return _flat(patch.u, (-0.5 * patch.width, 0.5 * patch.width), depth)
         case CylinderPatch():
             normal = nearest_on_patch(patch, point)[1]
             around = _pressed(patch.radius, patch.v, math.atan2(normal[1], normal[2]), depth)
-            y = np.array([0.0, normal[2], -normal[1]])
-            rotation = np.column_stack([[1.0, 0.0, 0.0], y, normal])
-            return Outline(patch.radius * normal, rotation, *np.transpose([patch.u, around]))
+            x, along = np.array([1.0, 0.0, 0.0]), patch.u
         case _:
             normal = nearest_on_patch(patch, point)[1]
             first, second = math.atan2(normal[0], normal[2]), math.asin(normal[1])
             x = np.array([math.cos(first), 0.0, -math.sin(first)])
-            across = _pressed(patch.radius * math.cos(second), patch.u, first, depth)
-            upwards = _pressed(patch.radius, patch.v, second, depth)
-            rotation = np.column_stack([x, np.cross(normal, x), normal])
-            return Outline(patch.radius * normal, rotation, *np.transpose([across, upwards]))
+            along = _pressed(patch.radius * math.cos(second), patch.u, first, depth)
+            around = _pressed(patch.radius, patch.v, second, depth)
+    rotation = np.column_stack([x, np.cross(normal, x), normal])
+    low, high = np.transpose([along, around])
+    return Rubber(patch.radius * normal, rotation, low, high, depth)
+
+
+def _flat(u: tuple[float, float], v: tuple[float, float], depth: float) -> Rubber:
+    low, high = np.transpose([u, v])
+    return Rubber(np.zeros(3), np.eye(3), low, high, depth)
 
 
 def _pressed(radius: float, interval: tuple[float, float], angle: float, depth: float) -> tuple[float, float]:
@@ -68,25 +80,18 @@ def _pressed(radius: float, interval: tuple[float, float], angle: float, depth: 
     return max(-half, radius * (interval[0] - angle)), min(half, radius * (interval[1] - angle))
 
 
-def half_sides(patch: Any, depth: float) -> tuple[float, float]:
-    """Return half the sides of the rectangle in which the rubber of a pad touches, along its x and y, m.
-
-    A line without a width has no side across: there it counts as wide as it is long.
-    """
+def half_sides(patch: Any) -> Array:
+    """Return half the sides of a pad along x and y, its radius where it is curved, at least `LEAST_SIDE`; m, (2,)."""
     match patch:
         case PlanePatch():
-            return 0.5 * (patch.u[1] - patch.u[0]), 0.5 * (patch.v[1] - patch.v[0])
+            sides = 0.5 * (patch.u[1] - patch.u[0]), 0.5 * (patch.v[1] - patch.v[0])
         case LinePatch():
-            length = patch.u[1] - patch.u[0]
-            return 0.5 * length, 0.5 * (patch.width if patch.width > 0.0 else length)
+            sides = 0.5 * (patch.u[1] - patch.u[0]), 0.5 * patch.width
         case CylinderPatch():
-            return 0.5 * (patch.u[1] - patch.u[0]), _half_arc(patch.radius, patch.v, depth)
+            sides = 0.5 * (patch.u[1] - patch.u[0]), patch.radius
         case _:
-            return _half_arc(patch.radius, patch.u, depth), _half_arc(patch.radius, patch.v, depth)
-
-
-def _half_arc(radius: float, interval: tuple[float, float], depth: float) -> float:
-    return min(0.5 * radius * (interval[1] - interval[0]), math.sqrt(2.0 * radius * depth))
+            sides = patch.radius, patch.radius
+    return np.maximum(sides, LEAST_SIDE)
 
 
 def points_of(patch: Any, spacing: float) -> Array:
@@ -103,9 +108,7 @@ def points_of(patch: Any, spacing: float) -> Array:
             return np.column_stack([u, patch.radius * np.sin(v), patch.radius * np.cos(v)])
         case _:
             u, v = _grid(patch.u, patch.v, spacing / patch.radius, spacing / patch.radius)
-            return np.asarray(
-                patch.radius * np.column_stack([np.cos(v) * np.sin(u), np.sin(v), np.cos(v) * np.cos(u)])
-            )
+            return np.asarray(patch.radius * np.column_stack([np.cos(v) * np.sin(u), np.sin(v), np.cos(v) * np.cos(u)]))
 
 
 def _grid(u: tuple[float, float], v: tuple[float, float], du: float, dv: float) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ Gauss-Hermite quadrature along each axis, with nodes x_i and weights w_i of the 
 
     n  is parallel to  sum over i, j, k of w_i w_j w_k d(p + sigma z) z,     z = (x_i, x_j, x_k)
 
-which needs distances only, no derivative of them, and is exact for a d that is a polynomial of degree 14 along each axis.
+which needs distances only, no derivative of them, and is exact for polynomials d of degree 14 along each axis.
 """
 
 from __future__ import annotations
@@ -27,11 +27,10 @@ from typing import Any
 import igl
 import numpy as np
 import trimesh
-from scipy.spatial import ConvexHull
 
 from ..arrays import Array, Indices, Integers, Mask
-from ..descriptions.mesh_contact import FOOTPRINT_SIGMA, LEAST_SIGMA
-from .coal_bodies import hull_solid, triangle_tree
+from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
+from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 NODES = 8
 """Of the quadrature along each axis."""
@@ -53,29 +52,22 @@ class TriangleBody:
 
     Args:
         vertices: shape (v, 3); one vertex for all triangles that meet there.
-        faces: shape (f, 3); their corners go round every closed part the same way.
+        faces: shape (f, 3); corners counter-clockwise seen from outside.
     """
 
     def __init__(self, vertices: Array, faces: Integers) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
         self.faces = np.ascontiguousarray(faces, dtype=np.int64)
         self.middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
-        a, b, c = (self.vertices - self.middle)[self.faces].transpose(1, 0, 2)
-        volume = float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
-        area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
-        self.sigma = min(FOOTPRINT_SIGMA, max(LEAST_SIGMA, abs(volume) / area))
-        """Of the footprint normal, m."""
-        moments = np.einsum("ij,ij->i", a, np.cross(b, c))[:, None] * (a + b + c) / 24.0
-        self.center_of_mass = self.middle + moments.sum(axis=0) / volume
-        """Of a uniform body, shape (3,)."""
+        """Of the bounding box, shape (3,)."""
         self._tree = igl.AABB()
         self._tree.init(self.vertices, self.faces)
         self._winding = igl.FastWindingNumberBVH()
         self._winding.init(self.vertices, self.faces)
 
     def contains(self, points: Array) -> Mask:
-        """Whether points, shape (n, 3), are inside: triangles wind around them, either way."""
-        return np.asarray(np.abs(self._winding.winding_number(points)) > 0.5)
+        """Whether points, shape (n, 3), are inside: their winding number is above a half."""
+        return np.asarray(self._winding.winding_number(np.ascontiguousarray(points)) > 0.5)
 
     def distances(self, points: Array) -> Array:
         """Signed distances of points, shape (n, 3), to the nearest triangles, negative inside, shape (n,)."""
@@ -90,6 +82,19 @@ class TriangleBody:
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
     @cached_property
+    def sigma(self) -> float:
+        """Of the footprint normal, m: the largest than which the body is thick enough (`descriptions.mesh_contact`)."""
+        chosen = self.vertices[self.faces[:: -(-len(self.faces) // FACES)]]
+        across = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
+        areas = np.linalg.norm(across, axis=1)
+        centroids, normals = chosen.mean(axis=1), across / areas[:, None]
+        for sigma in SIGMAS:
+            thick = self.contains(centroids - sigma * normals) & self.contains(centroids - 2.0 * sigma * normals)
+            if areas[thick].sum() >= THICK_SHARE * areas.sum():
+                return sigma
+        return SIGMAS[-1]
+
+    @cached_property
     def solid(self) -> Any:
         """Coal's tree of the triangles."""
         return triangle_tree(self.vertices, self.faces)
@@ -97,7 +102,7 @@ class TriangleBody:
     @cached_property
     def corners(self) -> Array:
         """Corners of the convex hull, shape (n, 3)."""
-        return np.asarray(self.vertices[ConvexHull(self.vertices).vertices])
+        return hull_corners(self.vertices)
 
     @cached_property
     def hull(self) -> Any | None:

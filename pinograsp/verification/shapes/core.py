@@ -8,9 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...arrays import Array
-from ...descriptions.regions import Region
 from ..footprint import footprint
-from ..region_depth import least_depth
+from ..outlines import Rubber
 
 PENETRATION = 2e-5
 """How deep a link may stick in the object, m: 0.02 mm."""
@@ -39,20 +38,8 @@ class Limits:
     """Whether pads yield by their rubber's depth; else they are tangent to the surface and do not enter it."""
 
 
-RIGID = Limits(gap=PENETRATION, region=0.0, margin=1e-6, yields=False)
+FORMULA = Limits(gap=PENETRATION, region=0.0, margin=1e-6, yields=False)
 """Of surfaces that are known by a formula."""
-
-
-@dataclass(frozen=True)
-class Rubber:
-    """The rubber at a contact, frame of the body."""
-
-    outline: Array
-    """Corners in order of the rectangle of the pad's tangent plane in which its rubber touches, shape (4, 3), m."""
-    outward: Array
-    """Outward unit normal of the pad, shape (3,)."""
-    depth: float
-    """By which it yields, m."""
 
 
 class Geometry(Protocol):
@@ -62,13 +49,17 @@ class Geometry(Protocol):
     """
 
     cores: tuple[Core, ...]
-    hull: Core
-    """A convex body; the shape is nowhere farther outside of it than its inset."""
     members: Array
     """A point of every connected part of the shape, shape (parts, 3)."""
+    vertices: Array
+    """Corners of the surface, of one without corners a point inside, shape (n, 3)."""
     middle: Array
     """Centre of a ball that holds the shape, shape (3,)."""
     limits: Limits
+
+    @property
+    def hull(self) -> Core:
+        """A convex body; the shape is nowhere farther outside of it than its inset."""
 
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the surface, negative inside."""
@@ -85,6 +76,12 @@ class Geometry(Protocol):
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds the shape."""
 
+    def face(self, point: Array) -> Array:
+        """Part of the surface in the tangent plane at the surface point nearest to `point`.
+
+        A point, the ends of a line, or the corners of a convex polygon in order, shape (k, 3).
+        """
+
     def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
         """Return the vertices of a footprint, shape (k, 3): a point, the ends of a line, or a polygon in order.
 
@@ -95,13 +92,10 @@ class Geometry(Protocol):
             normal: unit normal of the tangent plane, shape (3,).
         """
 
-    def region_depth(self, region: Region, footprint: Array, rubber: Rubber) -> float:
-        """Return how deep the least deep part of the surface that a pad touches is in a region, m.
+    def touched(self, rubber: Rubber) -> Array:
+        """Return what of the surface rubber touches as it yields, as triangles, shape (n, 3, 3).
 
-        Args:
-            region: in the shape's frame.
-            footprint: of the contact, shape (k, 3).
-            rubber: of the contact.
+        None of them if pads do not yield: they touch the footprint and no more.
         """
 
     def edge(self, point: Array) -> float:
@@ -112,9 +106,10 @@ class ConvexGeometry:
     """What convex shapes with a formula share: their first core is the shape itself, or the shape less its inset."""
 
     cores: tuple[Core, ...]
-    members = np.zeros((1, 3))
-    middle = np.zeros(3)
-    limits = RIGID
+    members: Array = np.zeros((1, 3))
+    vertices: Array = np.zeros((1, 3))
+    middle: Array = np.zeros(3)
+    limits: Limits = FORMULA
 
     @property
     def hull(self) -> Core:
@@ -141,9 +136,9 @@ class ConvexGeometry:
         raise NotImplementedError
 
     def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
-        """Common part of the contact faces of pad and shape."""
+        """Return the common part of the contact faces of pad and shape."""
         return footprint(pad_face, self.face(point), point, normal)
 
-    def region_depth(self, region: Region, footprint: Array, rubber: Rubber) -> float:
-        """That of the footprint: rigid bodies touch no more."""
-        return least_depth(region, footprint)
+    def touched(self, rubber: Rubber) -> Array:
+        """Return nothing: pads do not yield."""
+        return np.zeros((0, 3, 3))
