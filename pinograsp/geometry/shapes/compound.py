@@ -22,6 +22,7 @@ from ...descriptions.shapes import Compound, Shape
 from ..contact_faces import ContactFace, Ruling, placed
 from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation
+from .convex import Exact
 
 if TYPE_CHECKING:
     from . import Surface
@@ -51,7 +52,7 @@ class _Part:
         return placed(self.surface.contact_face((point - origin) @ R), R, origin)
 
 
-class CompoundSurface:
+class CompoundSurface(Exact):
     """Geometry of a compound.
 
     Args:
