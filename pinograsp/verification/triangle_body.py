@@ -73,7 +73,7 @@ class TriangleBody:
         """Signed distances of points, shape (n, 3), to the nearest triangles, negative inside, shape (n,)."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         apart = np.sqrt(self._tree.squared_distance(self.vertices, self.faces, points)[0])
-        return np.where(self.contains(points), -apart, apart)
+        return np.asarray(np.where(self.contains(points), -apart, apart))
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""
