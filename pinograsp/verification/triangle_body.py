@@ -34,6 +34,8 @@ from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 NODES = 8
 """Of the quadrature along each axis."""
+FINE = 5_000
+"""Vertices of a mesh of which no hull is made."""
 
 
 def _quadrature() -> tuple[Array, Array]:
@@ -100,14 +102,9 @@ class TriangleBody:
         return triangle_tree(self.vertices, self.faces)
 
     @cached_property
-    def corners(self) -> Array:
-        """Corners of the convex hull, shape (n, 3)."""
-        return hull_corners(self.vertices)
-
-    @cached_property
     def hull(self) -> Any | None:
-        """Coal's convex hull; None where Coal makes none."""
-        return hull_solid(self.corners)
+        """Coal's convex hull; None where Coal makes none, and of a fine mesh, whose tree is as quick."""
+        return hull_solid(hull_corners(self.vertices)) if len(self.vertices) <= FINE else None
 
     @cached_property
     def members(self) -> Array:
