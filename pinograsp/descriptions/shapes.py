@@ -103,7 +103,7 @@ class Mesh(ShapeDescription):
 
     type: Literal["mesh"] = "mesh"
     file: MeshAddress
-    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute, or `package://`; absolute when it was read."""
+    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
     scale: Positive | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)] = 1.0
     """Factor on the file's coordinates, or one along each axis; besides the unit."""
     unit: Unit | None = None
