@@ -30,6 +30,10 @@ GHOST = 0.01
 """Part of the area that may enclose nothing, at creases and seams."""
 SAMPLES = 20_000
 """Triangles, evenly picked, at which that is asked."""
+STEPS = 6
+"""Places along each edge of a triangle at which it is looked for inside other parts."""
+MIDDLE = np.full((1, 3), 1.0 / 3.0)
+"""Share of each corner in the middle of a triangle."""
 
 
 class NoBodyError(Exception):
@@ -55,6 +59,8 @@ class Repaired:
     """Shape (f, 3), counter-clockwise seen from outside."""
     origin: Indices
     """Index of the triangle that each is, -1: one that closes a hole; shape (f,)."""
+    outer: Mask
+    """Which triangles bound the body, and do not lie wholly inside it where parts overlap; shape (f,)."""
     findings: tuple[str, ...]
     """What was mended, in words."""
 
@@ -71,7 +77,7 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
         NoBodyError: it is flat, has a larger hole, or its triangles enclose nothing.
     """
     vertices, faces = _merged(vertices, faces)
-    _require_extent(vertices, faces)
+    _require_extent(vertices)
     faces, origin = _once(faces)
     faces, turned = _consistent(vertices, faces)
     findings = [f"{turned} triangles that faced the other way than their neighbours are turned"] if turned else []
@@ -81,17 +87,18 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
     findings += holes
     faces = np.concatenate([faces, caps])
     origin = np.concatenate([origin, np.full(len(caps), ADDED)])
-    _require_body(vertices, faces)
+    overlapping = _require_body(vertices, faces)
     a, b, c = vertices[faces].transpose(1, 0, 2)
     extent = float(np.ptp(vertices, axis=0).max())
     real = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-13 * extent**2  # slivers enclose and measure nothing
-    return Repaired(vertices, np.ascontiguousarray(faces[real]), origin[real], tuple(findings))
+    outer = _outer(vertices, faces)[real] if overlapping else np.ones(int(real.sum()), dtype=bool)
+    return Repaired(vertices, np.ascontiguousarray(faces[real]), origin[real], outer, tuple(findings))
 
 
 def _merged(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     """Return corners at one place made one: seams of textures and normals, and rounding, part no triangles."""
-    used, faces = np.unique(faces, return_inverse=True)
-    vertices, faces = vertices[used], faces.reshape(-1, 3)
+    used = corners_of(faces, len(vertices))
+    vertices, faces = vertices[used], (np.cumsum(used) - 1)[faces]
     key = np.zeros(len(vertices), dtype=np.int64)
     for column in vertices.T:
         rank = np.unique(column, return_inverse=True)[1]
@@ -105,15 +112,21 @@ def _merged(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     return vertices, faces
 
 
+def corners_of(faces: Integers, count: int) -> Mask:
+    """Return which of a number of vertices triangles have."""
+    used = np.zeros(count, dtype=bool)
+    used[faces] = True
+    return used
+
+
 def _components(pairs: Integers, count: int) -> Integers:
     """Return the number of the connected part of each node of a graph."""
     graph = coo_matrix((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _require_extent(vertices: Array, faces: Integers) -> None:
-    corners = vertices[np.unique(faces)]
-    spread = np.linalg.eigvalsh(np.cov(corners.T)) if len(corners) > 3 else np.zeros(3)
+def _require_extent(vertices: Array) -> None:
+    spread = np.linalg.eigvalsh(np.cov(vertices.T)) if len(vertices) > 3 else np.zeros(3)
     if spread[0] <= (1e-6) ** 2 * spread[2]:
         raise NoBodyError("lies in one plane and encloses no volume", "A body has a thickness; model it as a solid")
 
@@ -319,20 +332,15 @@ def in_brackets(place: Array) -> str:
     return "(" + ", ".join(f"{value:.4f}" for value in place + 0.0) + ")"
 
 
-def outer_triangles(vertices: Array, faces: Integers) -> Mask:
+def _outer(vertices: Array, faces: Integers) -> Mask:
     """Return which triangles bound the body: those that do not lie wholly inside it, where parts overlap."""
-    outer = _outside_windings(vertices, faces, np.arange(len(faces)), np.full((1, 3), 1.0 / 3.0))[:, 0] < 0.5
+    outer = _outside_windings(vertices, faces, np.arange(len(faces)), MIDDLE)[:, 0] < 0.5
     within = np.flatnonzero(~outer)
-    steps = np.arange(_STEPS)
-    grid = np.array([(i, j, _STEPS - 1 - i - j) for i in steps for j in steps if i + j < _STEPS]) + 0.1
+    steps = np.arange(STEPS)
+    grid = np.array([(i, j, STEPS - 1 - i - j) for i in steps for j in steps if i + j < STEPS]) + 0.1
     shares = grid / grid.sum(axis=1, keepdims=True)
-    for some in np.array_split(within, -(-len(within) // SAMPLES) or 1):
-        outer[some] = (_outside_windings(vertices, faces, some, shares) < 0.5).any(axis=1)
+    outer[within] = (_outside_windings(vertices, faces, within, shares) < 0.5).any(axis=1)
     return outer
-
-
-_STEPS = 6
-"""Places along each edge of a triangle at which it is looked for inside other parts."""
 
 
 def _outside_windings(vertices: Array, faces: Integers, picked: Indices, shares: Array) -> Array:
@@ -357,10 +365,10 @@ def _outside_windings(vertices: Array, faces: Integers, picked: Indices, shares:
     return np.asarray(windings).reshape(len(picked), len(shares))
 
 
-def _require_body(vertices: Array, faces: Integers) -> None:
-    """Refuse triangles that enclose no volume, or many of which bound nothing.
+def _require_body(vertices: Array, faces: Integers) -> bool:
+    """Refuse triangles that enclose no volume, or many of which bound nothing; return whether parts overlap.
 
-    So it is where a surface crosses itself, and its inner side is outside from there on.
+    Triangles bound nothing where a surface crosses itself, and its inner side is outside from there on.
     """
     low = vertices.min(axis=0)
     a, b, c = (vertices - low)[faces].transpose(1, 0, 2)
@@ -368,7 +376,7 @@ def _require_body(vertices: Array, faces: Integers) -> None:
     if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
         raise NoBodyError("encloses no volume", "A body has a thickness; model it as a solid")
     picked = np.arange(0, len(faces), -(-len(faces) // SAMPLES))
-    windings = _outside_windings(vertices, faces, picked, np.full((1, 3), 1.0 / 3.0))[:, 0]
+    windings = _outside_windings(vertices, faces, picked, MIDDLE)[:, 0]
     areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)[picked]
     ghosts: Mask = (windings < -0.5) & (areas > 0.0)
     share = float(areas[ghosts].sum() / areas.sum())
@@ -377,3 +385,4 @@ def _require_body(vertices: Array, faces: Integers) -> None:
         place = vertices[faces[picked[worst]]].mean(axis=0)
         problem = f"crosses itself: {100.0 * share:.0f} % of its surface enclose nothing, such as at"
         raise NoBodyError(f"{problem} {in_brackets(place)} m", "Make it one solid in a modeller")
+    return bool((windings > 0.5).any())

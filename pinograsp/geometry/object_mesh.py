@@ -18,7 +18,7 @@ from ..descriptions.shapes import Mesh
 from ..disk import content_of, digest
 from ..errors import FileError
 from .mesh_content import MeshContent, Paint, read_content
-from .mesh_repair import NoBodyError, outer_triangles, repaired
+from .mesh_repair import NoBodyError, corners_of, repaired
 
 SMALLEST = 0.002
 """A body that is smaller may have coordinates of another unit, m."""
@@ -74,15 +74,14 @@ def _made(
     shape = Mesh(file=file, sha256=sha256, scale=scales, unit=unit, largest_hole=largest_hole)
     read = read_content(file, required_content(shape))
     scaled = read.vertices * scales
-    extent = float(np.ptp(scaled[np.unique(read.faces)], axis=0).max())
+    extent = float(np.ptp(scaled[corners_of(read.faces, len(scaled))], axis=0).max())
     metres = metres_in_unit(shape.unit, read.metres, extent)
     try:
         body = repaired(scaled * metres, read.faces, largest_hole)
     except NoBodyError as error:
         raise FileError(error.problem, file=file, remedy=error.remedy) from None
-    outer = outer_triangles(body.vertices, body.faces)
     findings = (*_of_units(shape, read, extent, metres), *body.findings)
-    return ObjectMesh(body.vertices, body.faces, outer, read.paint.taken(body.origin), findings)
+    return ObjectMesh(body.vertices, body.faces, body.outer, read.paint.taken(body.origin), findings)
 
 
 def _of_units(shape: Mesh, read: MeshContent, extent: float, metres: float) -> Iterator[str]:
