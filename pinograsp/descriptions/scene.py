@@ -304,11 +304,12 @@ class Scene(FileRoot):
         if mass is None:
             problem = f"no wrench is given, and object {task.object!r} has no mass that would weigh"
             remedy = f"Give `objects.{task.object}.mass` in kg, or a wrench"
-            raise TaskError(problem, file=self.source, remedy=remedy)
+            raise TaskError(problem, file=self.source, key=f"objects.{task.object}.mass", remedy=remedy)
         x, y, z = (mass * g for g in self.gravity)
         if max(abs(x), abs(y), abs(z)) > FARTHEST:
-            remedy = f"Correct `objects.{task.object}.mass` (kg) or `gravity` (m/s^2)"
-            raise TaskError(f"object {task.object!r} weighs more than {FARTHEST:g} N", file=self.source, remedy=remedy)
+            problem, key = f"object {task.object!r} weighs more than {FARTHEST:g} N", f"objects.{task.object}.mass"
+            remedy = f"Correct `{key}` (kg) or `gravity` (m/s^2)"
+            raise TaskError(problem, file=self.source, key=key, remedy=remedy)
         return Wrench(force=(x, y, z))
 
     def mass_of(self, task: Task) -> float | None:

@@ -111,8 +111,8 @@ class Verifier:
     def resistance(self, claim: Claim) -> tuple[Figure, ...]:
         """Compute how strongly the object may be accelerated, Q_force and Q_torque in m/s^2 (see `resistance`).
 
-        None of them if neither the object nor the weight of the task's force gives a mass. `certify` has them in every certificate,
-        `check` only if the task says what is to be withstood.
+        None of them if neither the object nor the weight of the task's force gives a mass. `certify` has them in every
+        certificate, `check` only if the task says what is to be withstood.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
