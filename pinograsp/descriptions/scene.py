@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from ..arrays import Array
 from ..disk import digest
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
+from .mesh_files import CONTENT, content_hashes
 from .model import FileRoot, Frozen
 from .pose import Pose
 from .problems import INTERNAL, refuse_internal
@@ -101,7 +102,7 @@ class Scene(FileRoot):
     source: Path | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
-    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
+    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python; and of mesh files."""
     name: FileName
     """Of the scene; part of the names of its files of results."""
     description: str = ""
@@ -135,10 +136,12 @@ class Scene(FileRoot):
         return self
 
     @model_validator(mode="after")
-    def _digested(self) -> Self:
+    def _digested(self, info: ValidationInfo) -> Self:
         if self.source is None or not self.digest:
-            content = json.dumps(self.to_dict(), sort_keys=True)
+            content = json.dumps(self._to_dict(CONTENT), sort_keys=True)
             self.__dict__["digest"] = digest(content.encode())
+        elif info.context and (meshes := content_hashes(self)):  # where a file is read, not a result
+            self.__dict__["digest"] = digest(json.dumps([self.digest, meshes]).encode())
         return self
 
     def _repr_html_(self) -> str:
@@ -166,9 +169,12 @@ class Scene(FileRoot):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the content as a YAML file has it: lists, texts, numbers and dicts of these; `from_dict` reads it."""
+        return self._to_dict()
+
+    def _to_dict(self, context: Any = None) -> dict[str, Any]:
         # Without the gravity of scenes that say nothing about it, whose digests are older than this key.
         standard = {"gravity"} if self.gravity == DOWN else set()
-        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True)
+        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
 
     def task(self, name: str) -> Task:
         """Return a task by name.

@@ -13,9 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..descriptions.mesh_files import metres_in_unit
+from ..descriptions.mesh_files import Unit, metres_in_unit
 from ..descriptions.shapes import Mesh
-from ..disk import content_of, digest
 from ..errors import FileError
 from .mesh_content import MeshContent, Paint, read_content
 from .mesh_repair import NoBodyError, corners_of, repaired
@@ -54,28 +53,15 @@ def object_mesh(shape: Mesh) -> ObjectMesh:
     return _made(shape.file, shape.sha256, shape.scales, shape.unit, shape.largest_hole)
 
 
-def required_content(shape: Mesh) -> bytes:
-    """Return the content of the file of a mesh.
-
-    Raises:
-        FileError: it cannot be read, or is not that which was described.
-    """
-    content = content_of(shape.file)
-    if digest(content) != shape.sha256:
-        remedy = "Load the scene again; a result stands for the file that it was planned with"
-        raise FileError("is not the file that the scene was made with", file=shape.file, remedy=remedy)
-    return content
-
-
 @lru_cache(maxsize=32)  # worker processes that are forked have it all
 def _made(
-    file: Path, sha256: str | None, scales: tuple[float, float, float], unit: str | None, largest_hole: float
+    file: Path, sha256: str | None, scales: tuple[float, float, float], unit: Unit | None, largest_hole: float
 ) -> ObjectMesh:
     shape = Mesh(file=file, sha256=sha256, scale=scales, unit=unit, largest_hole=largest_hole)
-    read = read_content(file, required_content(shape))
+    read = read_content(file, shape.content())
     scaled = read.vertices * scales
     extent = float(np.ptp(scaled[corners_of(read.faces, len(scaled))], axis=0).max())
-    metres = metres_in_unit(shape.unit, read.metres, extent)
+    metres = metres_in_unit(unit, read.metres, extent)
     try:
         body = repaired(scaled * metres, read.faces, largest_hole)
     except NoBodyError as error:
