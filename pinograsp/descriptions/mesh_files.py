@@ -43,7 +43,7 @@ def metres_in_unit(unit: Unit | None, stated: float, extent: float) -> float:
     return METRES["mm"] if stated == 1.0 and extent > LARGEST else stated
 
 
-def _absolute(address: object, info: ValidationInfo) -> Path:
+def _absolute(address: object, info: ValidationInfo) -> str:
     """Return where a mesh file is; relative addresses start at the scene file, in Python at the working directory."""
     if not isinstance(address, str | Path):
         raise PydanticKnownError("string_type")
@@ -53,12 +53,12 @@ def _absolute(address: object, info: ValidationInfo) -> Path:
         raise wrong(f"{text!r} is no mesh file that can be read", remedy=f"The suffix must be one of {known}")
     scene = (info.context or {}).get(SCENE_FILE, Path("scene.yaml"))
     if not text.startswith("package://"):
-        return Path(os.path.normpath(scene.resolve().parent / text.removeprefix("file://")))
+        return os.path.normpath(scene.resolve().parent / text.removeprefix("file://"))
     folders = package_folders(scene, ())
     found = resolve(text, beside=scene, folders=folders)
     if found is None:
         raise wrong(f"{text} was not found", remedy="Looked in " + ", ".join(map(str, folders)))
-    return found
+    return str(found)
 
 
 MeshAddress = Annotated[Path, BeforeValidator(_absolute)]

@@ -23,6 +23,7 @@ from .mesh_files import CONTENT, content_hashes
 from .model import FileRoot, Frozen
 from .pose import Pose
 from .problems import INTERNAL, refuse_internal
+from .regions import Region, on_object
 from .scene_html import scene_html
 from .shapes import Shape
 from .task import Task, Wrench
@@ -130,6 +131,11 @@ class Scene(FileRoot):
                 self.wrench_of(task)
             except InputError as error:
                 raise wrong(error.problem, "tasks", name, remedy=error.remedy) from None
+            try:
+                self.region_of(task)
+            except InputError as error:
+                key = "forbidden_contacts" if task.allowed_contacts is None else "allowed_contacts"
+                raise wrong(error.problem, "tasks", name, key, remedy=error.remedy) from None
         for name in self.obstacles:
             if name in self.objects:
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
@@ -317,6 +323,16 @@ class Scene(FileRoot):
             remedy = f"Correct `{key}` (kg) or `gravity` (m/s^2)"
             raise TaskError(problem, file=self.source, key=key, remedy=remedy)
         return Wrench(force=(x, y, z))
+
+    def region_of(self, task: Task) -> Region | None:
+        """Return the part of the object's surface that contacts must be on; None: all of it.
+
+        Raises:
+            UnknownNameError: the object is none of the scene.
+            InputError: a painted region names no file, and the object is no mesh.
+        """
+        shape = self._named("object", task.object, self.objects).shape
+        return None if task.contact_region is None else on_object(task.contact_region, shape)
 
     def mass_of(self, task: Task) -> float | None:
         """Return the mass of the object of a task, kg: its own, else what the task's force weighs in this gravity.
