@@ -1,13 +1,14 @@
 """Distances of the robot to the walls, to bodies of the scene and to itself, mesh by mesh.
 
 Except for the walls, a clearance is measured up to 50 mm (or twice its limit, if that is more): a value of 0.05 says
-"at least 0.05 m". Pairs are measured in the order of a lower bound from bounding spheres, each only as far as it could
-still be the least; where the convex hulls are that far apart, the meshes are not looked at. A distance is exact while
-the bodies are apart; where they intersect and no exact depth is known it is -inf.
+"at least 0.05 m". Pairs are measured in the order of a lower bound, from bounding spheres first and then from convex
+hulls, each only as far as it could still be the least: of most pairs the meshes are not looked at. A distance is exact
+while the bodies are apart; where they intersect and no exact depth is known it is -inf.
 """
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -19,12 +20,12 @@ from ..arrays import Array
 from .certificate import Figure
 from .kinematics import Poses
 from .link_mesh import LinkMesh
-from .shapes import PlacedShape
+from .shapes import PlacedPart, PlacedShape
 from .shapes.core import PENETRATION
 
 Walls = Mapping[str, tuple[Array, float]]
 LinkPair = tuple[LinkMesh, LinkMesh]
-ShapePair = tuple[LinkMesh, PlacedShape]
+PartPair = tuple[LinkMesh, PlacedPart]
 
 CAP = 0.05
 """Clearances are measured up to this distance, m."""
@@ -59,6 +60,33 @@ class Placed:
         return np.asarray((points - T[:3, 3]) @ T[:3, :3])
 
 
+class Surroundings:
+    """Links, and parts of bodies of the scene that each of them is to keep clear of.
+
+    Args:
+        meshes: of the links.
+        shapes: the bodies.
+    """
+
+    def __init__(self, meshes: Sequence[LinkMesh], shapes: Sequence[PlacedShape]) -> None:
+        self._meshes, self._parts = meshes, [part for shape in shapes for part in shape.parts]
+        self._centers = np.array([part.center for part in self._parts]).reshape(-1, 3)
+        self._radii = np.array([[m.radius + part.radius for part in self._parts] for m in meshes])
+
+    def __bool__(self) -> bool:
+        """Whether there are links and bodies."""
+        return self._radii.size > 0
+
+    def near(self, placed: Placed, most: float) -> tuple[list[PartPair], Array]:
+        """Return the pairs whose bounding spheres are nearer than `most`, m, nearest first, and how far these are."""
+        links = np.array([placed.centers[mesh.link] for mesh in self._meshes]).reshape(-1, 1, 3)
+        apart = np.sqrt(((links - self._centers) ** 2).sum(axis=2)) - self._radii
+        found = np.flatnonzero(apart.ravel() < most)
+        found = found[np.argsort(apart.ravel()[found], kind="stable")]
+        pairs = [(self._meshes[i], self._parts[j]) for i, j in zip(*np.divmod(found, len(self._parts)), strict=True)]
+        return pairs, apart.ravel()[found]
+
+
 def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses, margin: float) -> Figure:
     """Return the least signed distance of a mesh to a wall, m: that of a corner of the mesh's hull."""
     normals = np.array([normal for normal, _ in walls.values()])
@@ -73,13 +101,13 @@ def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses, mar
     return Figure("enclosure clearance", least, margin - 1e-6, "m", "at least", where)
 
 
-def shape_figure(name: str, pairs: Sequence[ShapePair], placed: Placed, limit: float) -> Figure:
-    """Return the least signed distance between a mesh and a shape, m."""
-    centers = np.array([placed.centers[mesh.link] for mesh, _ in pairs])
-    apart = np.linalg.norm(centers - [shape.center for _, shape in pairs], axis=1)
-    bounds = apart - [mesh.radius + shape.radius for mesh, shape in pairs]
+def shape_figure(name: str, around: Surroundings, placed: Placed, limit: float) -> Figure:
+    """Return the least signed distance between a mesh and a body, m."""
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: shape_distance(*pairs[i], placed, most))
+    pairs, bounds = around.near(placed, cap)
+    least, nearest = _least(
+        bounds, cap, lambda i: _part_bound(*pairs[i], placed), lambda i, most: part_distance(*pairs[i], placed, most)
+    )
     where = "" if nearest is None else f"{pairs[nearest][0].link} / {pairs[nearest][1].name}"
     return Figure(name, least, limit, "m", "at least", where)
 
@@ -90,49 +118,58 @@ def self_figure(name: str, pairs: Sequence[LinkPair], placed: Placed, limit: flo
     second = np.array([placed.centers[mesh.link] for _, mesh in pairs]).reshape(-1, 3)
     bounds = np.linalg.norm(second - first, axis=1) - [a.radius + b.radius for a, b in pairs]
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: mesh_distance(*pairs[i], placed, most))
+    least, nearest = _least(
+        bounds, cap, lambda i: _mesh_bound(*pairs[i], placed), lambda i, most: mesh_distance(*pairs[i], placed, most)
+    )
     where = "" if nearest is None else " / ".join(mesh.link for mesh in pairs[nearest])
     return Figure(name, least, limit, "m", "at least", where)
 
 
-def _least(bounds: Array, cap: float, measure: Callable[[int, float], float]) -> tuple[float, int | None]:
+def _least(
+    bounds: Array, cap: float, bound: Callable[[int], float], measure: Callable[[int, float], float]
+) -> tuple[float, int | None]:
     """Return the least of `measure(i, most)` below `cap`, and its i.
 
     Args:
         bounds: lower bounds of the values, shape (pairs,).
         cap: returned if every value is above.
+        bound: a better lower bound of the value of pair i, which takes longer.
         measure: value of pair i; anything not below `most` if it is above `most`.
     """
     least, nearest = cap, None
-    for i in np.argsort(bounds):
-        if bounds[i] >= least:
-            break
-        value = measure(int(i), least)
+    queue = [(lower, False, i) for i, lower in enumerate(bounds.tolist()) if lower < cap]
+    heapq.heapify(queue)
+    while queue and queue[0][0] < least:
+        lower, better, i = heapq.heappop(queue)
+        if not better:
+            heapq.heappush(queue, (max(lower, bound(i)), True, i))
+            continue
+        value = measure(i, least)
         if value < least:
-            least, nearest = value, int(i)
+            least, nearest = value, i
     return least, nearest
 
 
-def shape_distance(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -> float:
-    """Return the lesser of `most`, above zero, and the signed distance of a mesh to a shape, m.
+def part_distance(mesh: LinkMesh, part: PlacedPart, placed: Placed, most: float) -> float:
+    """Return the lesser of `most`, above zero, and the signed distance of a mesh to a part, m.
 
-    It is -inf where the mesh enters the innermost core of the shape.
+    It is -inf where the mesh enters the innermost core of the part.
     """
     placement = placed.placements[mesh.link]
-    if most > 0.0 and _apart(
-        mesh.hull_solid, placement, shape.cores[0].solid, shape.placement, most + shape.cores[0].inset
-    ):
+    if most > 0.0 and _part_bound(mesh, part, placed) >= most:
         return most
-    if mesh.surrounds(placed.to_link(mesh.link, shape.center[None])):
+    if mesh.surrounds(placed.to_link(mesh.link, part.members)):
         return -math.inf
-    for core in shape.cores:
+    if part.surrounds(placed.to_world(mesh.link, mesh.members)):
+        return -math.inf
+    for core in part.cores:
         # The bound stays above zero, which would read as an intersection.
         bound = max(most, 0.0) + core.inset + PENETRATION
-        distance = _distance(mesh.solid, placement, core.solid, shape.placement, bound)
+        distance = _distance(mesh.solid, placement, core.solid, part.placement, bound)
         if distance > 0.0:
             value: float = distance - core.inset
-            # The shape itself was entered if it is not the first core.
-            return value if core is shape.cores[0] else min(value, 0.0)
+            # The part itself was entered if it is not the first core.
+            return value if core is part.cores[0] else min(value, 0.0)
     return -math.inf
 
 
@@ -141,9 +178,9 @@ def mesh_distance(first: LinkMesh, second: LinkMesh, placed: Placed, most: float
 
     It is -inf where they intersect or one surrounds the other.
     """
-    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
-    if most > 0.0 and _apart(first.hull_solid, T_first, second.hull_solid, T_second, most):
+    if most > 0.0 and _mesh_bound(first, second, placed) >= most:
         return most
+    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
     distance = _distance(first.solid, T_first, second.solid, T_second, most)
     if distance <= 0.0 or _one_in_other(first, second, placed) or _one_in_other(second, first, placed):
         return -math.inf
@@ -155,12 +192,22 @@ def _one_in_other(inner: LinkMesh, outer: LinkMesh, placed: Placed) -> bool:
     return outer.surrounds(placed.to_link(outer.link, points))
 
 
-def _apart(first: Any | None, T_first: Any, second: Any | None, T_second: Any, most: float) -> bool:
-    """Whether two convex bodies, where both are known, are at least `most` apart; a mesh is no nearer than its hull."""
+def _part_bound(mesh: LinkMesh, part: PlacedPart, placed: Placed) -> float:
+    """Return a lower bound of the distance of a mesh to a part, m: that of the hulls, -inf where one has none."""
+    return _hull_bound(mesh.hull_solid, placed.placements[mesh.link], part.hull.solid, part.placement) - part.hull.inset
+
+
+def _mesh_bound(first: LinkMesh, second: LinkMesh, placed: Placed) -> float:
+    """Return a lower bound of the distance of two meshes, m: that of their hulls, -inf where one has none."""
+    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
+    return _hull_bound(first.hull_solid, T_first, second.hull_solid, T_second)
+
+
+def _hull_bound(first: Any | None, T_first: Any, second: Any | None, T_second: Any) -> float:
     if first is None or second is None:
-        return False
-    apart = coal.distance(first, T_first, second, T_second, _REQUEST, coal.DistanceResult())
-    return float(apart) >= most + _HULL_ERROR
+        return -math.inf
+    apart = float(coal.distance(first, T_first, second, T_second, _REQUEST, coal.DistanceResult()))
+    return apart - _HULL_ERROR if apart > 0.0 else -math.inf
 
 
 def _distance(first: Any, T_first: Any, second: Any, T_second: Any, most: float) -> float:

@@ -38,11 +38,16 @@ Bounds that are still apart then are so by rounding.
 
 
 def least_depth(region: described.Region, vertices: Array) -> float:
-    """Return the least depth, m, of a footprint: shape (k, 3), a point, the ends of a line, or corners in order."""
-    best = float(_bounds(region, vertices[:, None])[0].min())
-    if len(vertices) == 1 or _concave(region):
+    """Return the least depth, m, of a footprint.
+
+    Args:
+        region: the region.
+        vertices: a point, the ends of a line, or corners in order, shape (k, 3); or triangles, shape (n, 3, 3).
+    """
+    best = float(_bounds(region, vertices.reshape(-1, 1, 3))[0].min())
+    if vertices.shape == (1, 3) or _concave(region):
         return best
-    cells = vertices[None] if len(vertices) == 2 else _fan(vertices)
+    cells = vertices if vertices.ndim == 3 else vertices[None] if len(vertices) == 2 else _fan(vertices)
     floor = best
     for halvings in itertools.count():
         if not len(cells):

@@ -1,0 +1,138 @@
+"""How deep an object that is no smooth convex body is pressed into the rubber of pads.
+
+Of a pad's link the rubber is what is flush with the pad or less than `rubber_depth` + `SLACK` behind it. The depth of
+the object in it is the largest depth in the object of points all over the pad's face, by exact distances. The rest of
+the link, its backing, does not yield: the object may not enter it at all. It does so if the triangles of both cross,
+if one surrounds the other, or if a vertex of the object is inside the link behind the rubber: of what dips in through
+the rubber without crossing a side of the backing, the lowest point is a vertex.
+
+A link with several pads yields at each of them, so that its backing is behind all of them. What stands out beside a
+pad is a link like any other (`standing_out`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+from ..arrays import Array, Indices, Integers
+from ..descriptions.hand import PadDescription
+from ..descriptions.patches import CylinderPatch, Patch, SpherePatch
+from ..memo import remembered
+from .certificate import Figure, PairClearance
+from .clearance import CAP, Placed, part_distance
+from .link_mesh import LinkMesh
+from .outlines import points_of
+from .patches import heights
+from .robot import VerifiedRobot
+from .shapes import PlacedShape
+
+SLACK = 3e-4
+"""How much deeper than the rubber's depth the object may be pressed in, m."""
+SPACING = 5e-4
+"""Of the points on a pad's face, m."""
+_FACET = 1e-3
+"""Longest edge of the triangles into which a link with a curved pad is divided, m."""
+
+
+@dataclass(frozen=True)
+class PadLink:
+    """A link with pads, link frame."""
+
+    mesh: LinkMesh
+    pads: tuple[PadDescription, ...]
+    """On this link."""
+    face: Array
+    """Points all over the pads, m, shape (n, 3)."""
+    owners: Indices
+    """Which pad each of these points is on, shape (n,)."""
+    backing: LinkMesh | None
+    """What of the link is behind all rubber, cut open; None: nothing."""
+
+    @classmethod
+    def of(cls, mesh: LinkMesh, pads: tuple[PadDescription, ...]) -> PadLink:
+        """Divide a link."""
+        faces = [points_of(pad.patch, SPACING) @ pad.patch.rotation.T + pad.patch.origin for pad in pads]
+        owners = np.repeat(np.arange(len(pads)), [len(points) for points in faces])
+        return cls(mesh, pads, np.concatenate(faces), owners, _backing(mesh, pads))
+
+
+@remembered
+def pad_links(robot: VerifiedRobot, pads: tuple[PadDescription, ...]) -> tuple[PadLink, ...]:
+    """Return the links with pads.
+
+    Args:
+        robot: its meshes.
+        pads: those of the task.
+    """
+    on = {link: tuple(pad for pad in pads if pad.link == link) for link in robot.meshes}
+    return tuple(PadLink.of(mesh, on[link]) for link, mesh in robot.meshes.items() if on[link])
+
+
+def rubber_figure(links: tuple[PadLink, ...], target: PlacedShape, placed: Placed) -> Figure:
+    """Return the least signed distance, m, of a pad's face to the object; -inf if the object enters a backing.
+
+    That of the pad which is nearest to its limit, for pads may differ in depth.
+    """
+    found = [pair for link in links for pair in _distances(link, target, placed)]
+    pad, distance = min(found, key=lambda pair: pair[1] - _limit(pair[0]))
+    return Figure("pad clearance", distance, _limit(pad), "m", "at least", f"{pad.link} / {target.name}")
+
+
+def rubber_clearances(links: tuple[PadLink, ...], target: PlacedShape, placed: Placed) -> Iterator[PairClearance]:
+    """Yield the signed distances of pads' links to the object, as in `rubber_figure`, that are below `CAP`."""
+    for link in links:
+        distance = min(distance for _, distance in _distances(link, target, placed))
+        if distance < CAP:
+            yield PairClearance("pad clearance", link.mesh.link, target.name, distance)
+
+
+def _distances(link: PadLink, target: PlacedShape, placed: Placed) -> list[tuple[PadDescription, float]]:
+    """Return the signed distance of each pad of a link, m."""
+    if _entered(link, target, placed):
+        return [(pad, -math.inf) for pad in link.pads]
+    distances = target.distances(placed.to_world(link.mesh.link, link.face))
+    return [(pad, float(distances[link.owners == i].min())) for i, pad in enumerate(link.pads)]
+
+
+def _entered(link: PadLink, target: PlacedShape, placed: Placed) -> bool:
+    """Whether the object enters a link behind its rubber."""
+    if link.backing is None:
+        return False
+    for part in target.parts:
+        if part_distance(link.backing, part, placed, SLACK) <= 0.0:
+            return True
+        vertices = placed.to_link(link.mesh.link, part.vertices)
+        behind = np.all([heights(pad.patch, vertices) < _limit(pad) for pad in link.pads], axis=0)
+        if link.mesh.surrounds(vertices[behind]):
+            return True
+    return False
+
+
+def _limit(pad: PadDescription) -> float:
+    return -(pad.rubber_depth + SLACK)
+
+
+def _backing(mesh: LinkMesh, pads: tuple[PadDescription, ...]) -> LinkMesh | None:
+    vertices, faces = mesh.vertices, mesh.faces
+    for pad in pads:
+        vertices, faces = _behind(pad.patch, vertices, faces, _limit(pad))
+        if not len(faces):
+            return None
+    return mesh.opened(vertices, faces)
+
+
+def _behind(patch: Patch, vertices: Array, faces: Integers, height: float) -> tuple[Array, Integers]:
+    """Return what of triangles is lower than a height over a patch; of a curved one whole small triangles."""
+    if isinstance(patch, CylinderPatch | SpherePatch):
+        vertices, faces = trimesh.remesh.subdivide_to_size(vertices, faces, _FACET, max_iter=20)
+        return vertices, faces[(heights(patch, vertices) < height)[faces].all(axis=1)]
+    normal = patch.rotation[:, 2]
+    found: tuple[Array, Integers] = trimesh.intersections.slice_faces_plane(
+        vertices, faces, -normal, np.array(patch.origin) + height * normal
+    )[:2]
+    return found
