@@ -65,6 +65,7 @@ class Verifier:
         read = read_robot(description)
         self._robot = read
         self._task = scene.task(task_name)
+        self._contact_region = scene.region_of(self._task)
         self._pads = robot_for(description, scene, task_name).pads
         self._walls = scene.enclosure.walls
         self._kinematics = read.kinematics.mounted(scene.mounting.matrix)
@@ -281,7 +282,7 @@ class Verifier:
         return balance_figures(claim, normals, self._center_of_mass, self._radius, self._wrench, balanced=balanced)
 
     def _region(self, points: Array, normals: Array, pads: Pads) -> list[Figure]:
-        region = self._task.contact_region
+        region = self._contact_region
         if region is None:
             return []
         if self._task.contact_regions == "point":

@@ -6,6 +6,7 @@ is divided into cells (lines, triangles), and on each cell bounds of d are compu
 
     linear pieces    between their values at the cell's vertices
     ball             concave: above its values at the vertices, below its tangent plane at the cell's centre
+    painted          within the cell's half-size of its value at the centre
     sector           within L s of its value at the centre, s the cell's half-size across z, L = sqrt(1 + h^2) and h the
                      larger of the sector's half-width and pi less that
 
@@ -23,6 +24,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import regions as described
+from .painted import painted_depths
 
 RESOLUTION = 5e-7
 """m"""
@@ -67,7 +69,7 @@ def _concave(region: described.Region) -> bool:
         case described.Outside():
             return isinstance(region.part, described.HalfSpace)
         case _:
-            return not isinstance(region, described.Sector | described.AnyOf | described.Near)
+            return not isinstance(region, described.Sector | described.AnyOf | described.Near | described.Painted)
 
 
 def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
@@ -86,6 +88,8 @@ def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
             return _ball(region, cells)
         case described.Sector():
             return _sector(region, cells)
+        case described.Painted():
+            return _painted(region, cells)
         case described.Near():
             return _bounds(region.balls, cells)
         case described.AllOf():
@@ -125,6 +129,13 @@ def _sector(sector: described.Sector, cells: Array) -> tuple[Array, Array]:
     value = (sector.half_width - off) * np.hypot(middle[:, 0], middle[:, 1])
     reach = math.hypot(1.0, max(sector.half_width, math.pi - sector.half_width)) * size
     return value - reach, value + reach
+
+
+def _painted(region: described.Painted, cells: Array) -> tuple[Array, Array]:
+    middle = cells.mean(axis=1)
+    size = np.linalg.norm(cells - middle[:, None], axis=2).max(axis=1)
+    value = painted_depths(region, middle)
+    return value - size, value + size
 
 
 def _fan(corners: Array) -> Array:

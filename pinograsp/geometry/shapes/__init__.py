@@ -14,6 +14,7 @@ from ...arrays import Array, Indices
 from ...descriptions import shapes as described
 from ..contact_faces import ContactFace
 from ..convex_solid import ConvexPiece
+from ..point_trees import PointTrees
 from ..tessellation import Tessellation
 from .box import BoxSurface
 from .capsule import CapsuleSurface
@@ -46,6 +47,17 @@ class Surface(Protocol):
 
     def footprint(self, points: Array) -> tuple[Array, Array]:
         """Return the outward unit normals (n, 3) that a pad feels at points (n, 3), and their derivatives (n, 3, 3)."""
+        ...
+
+    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+        """Return the least signed distance of sets of points, or their cap, and the point there; of an uneven surface.
+
+        Args:
+            sets: points that are fixed to bodies.
+            rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
+            translations: of these, m, shape (bodies, 3).
+            caps: distances of each set from which on they do not matter, m, shape (sets,).
+        """
         ...
 
     def exact_distances(self, points: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array, Indices
+from ..point_trees import PointTrees
 
 
 class Exact:
@@ -20,6 +21,10 @@ class Exact:
         """Return gradient and Hessian of the distance."""
         _, normals, hessians = self.signed_distance(points)
         return normals, hessians
+
+    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+        """Coal measures such shapes."""
+        raise NotImplementedError
 
     def exact_distances(self, points: Array) -> Array:
         """Return the distances."""

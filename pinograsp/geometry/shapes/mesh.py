@@ -21,6 +21,7 @@ from ..exact_distance import ExactDistance
 from ..field_cache import mesh_field
 from ..hulls import Hull
 from ..object_mesh import object_mesh
+from ..point_trees import PointTrees, nearest_points
 from ..tessellation import Tessellation
 
 PIECES, TOLERANCE = 12, 0.002
@@ -74,6 +75,10 @@ class BodySurface:
     def footprint(self, points: Array) -> tuple[Array, Array]:
         """Return the normals of the smoothed distance and their derivatives."""
         return field_normals(self.field, points)
+
+    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+        """Return the least signed distance of sets of points, or their cap, and the point there."""
+        return nearest_points(sets, self.field, rotations, translations, caps)
 
     def exact_distances(self, points: Array) -> Array:
         """Return the signed distances to the triangles."""

@@ -96,7 +96,7 @@ class ContactRegion(Inside):
 
 def contact_region(model: TaskModel) -> ContactRegion | None:
     """Return the constraint, or None if the whole surface is allowed."""
-    region, pads = model.task.contact_region, model.robot.pads
+    region, pads = model.scene.region_of(model.task), model.robot.pads
     if region is None:
         return None
     if model.task.contact_regions == "point":
