@@ -158,6 +158,17 @@ def test_depth_in_a_region_of_triangles_is_that_of_the_worst() -> None:
     assert least_depth(region, np.stack([inside, across])) == pytest.approx(0.01 * (1 - math.sqrt(2)), abs=1e-6)
 
 
+def test_triangles_inside_where_parts_overlap_do_not_count() -> None:
+    """Two boxes that overlap, as they are drawn: distances are those of the one body that they make."""
+    parts = [trimesh.creation.box(bounds=[[0, 0, 0], [0.06, 0.04, 0.04]]).subdivide_to_size(0.004)]
+    parts.append(parts[0].copy().apply_translation([0.03, 0.0, 0.0]))
+    body = body_of(trimesh.util.concatenate(parts))
+    assert len(body.faces) < 2 * len(parts[0].faces)
+    points = np.random.default_rng(0).uniform([0.002, 0.002, 0.002], [0.088, 0.038, 0.038], (200, 3))
+    depths = np.min([points, [0.09, 0.04, 0.04] - points], axis=(0, 2))
+    np.testing.assert_allclose(body.distances(points), -depths, atol=1e-9)
+
+
 # ---- files
 
 
