@@ -269,8 +269,8 @@ def test_pads_may_tilt_as_far_as_rubber_gives(case: Case, check: Check) -> None:
         assert names(certificate) - {"pad clearance"} == (set() if holds else {"pad tangency"})
         assert certificate["pad clearance"].holds or not holds
         if axis[1] and holds:  # on the other axis the ends of the box are nearer
-            depth = 0.010 * math.sin(math.radians(degrees))
-            assert certificate["pad clearance"].value == pytest.approx(-depth, abs=5e-5)
+            depth = 0.011 * math.sin(math.radians(degrees))
+            assert certificate["pad clearance"].value == pytest.approx(-depth, abs=1e-4)
 
 
 # ---- claims that are wrong
