@@ -15,16 +15,15 @@ With the signed distance d of the object and its gradient g at the nearest point
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import coal
 import numpy as np
 
 from ..arrays import Array
 from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch
-from ..geometry.hulls import Hull
+from ..geometry.hulls import FlatError, Hull
 from ..geometry.patches import patch_point
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
@@ -38,8 +37,14 @@ from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies
 from .world import Solid
 
-SPACING, COARSE = 0.0012, 0.004
+SPACING, COARSE = 0.0015, 0.004
 """Longest edge between points of links that the hand moves or that carry it, and of the other links, m."""
+BACKING = 0.0025
+"""Longest edge between points of what is behind a pad, m."""
+ROUNDED = 0.0005
+"""Vertices of a solid that are nearer to each other than about this count as one, m."""
+HIDDEN = 1e-5
+"""How deep in another solid of its link a point must be to be left out, m."""
 PAD_SPACING = 0.002
 """Between points of the face of a pad, m."""
 
@@ -53,8 +58,10 @@ class PointSet(NamedTuple):
     """In the joint's frame, m, shape (n, 3)."""
     pads: tuple[int, ...]
     """Numbers of the pads whose surface bounds them."""
-    beyond: float
-    """Largest distance of a point of the surface from the nearest of them, m."""
+    apart: float
+    """Largest distance of a point of a facet from the nearest of them, m."""
+    within: float
+    """How far they may be within the solid, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +103,8 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
         robot: mounted, with the pads that are to touch the object.
         margin: distance that solids are to keep, m.
     """
-    sets = tuple(found for found in _all_sets(robot) if not found.pads)
-    return _kept(robot, sets, [math.hypot(margin, found.beyond) for found in sets])
+    sets, trees = _link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    return ObjectPoints(robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees)
 
 
 def pad_points(robot: Robot) -> ObjectPoints:
@@ -106,29 +113,38 @@ def pad_points(robot: Robot) -> ObjectPoints:
     The face of a pad is in four quarters, so that it is known on which sides it is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
-    behind = [found for found in _all_sets(robot) if found.pads]
-    faces = [quarter for number, pad in enumerate(robot.pads) for quarter in _quarters(number, pad)]
-    sets = (*faces, *behind)
-    return _kept(robot, sets, [-min(depths[pad] for pad in found.pads) for found in sets])
+    sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    return ObjectPoints(robot, sets, np.array([-min(depths[pad] for pad in found.pads) for found in sets]), trees)
 
 
-def _kept(robot: Robot, sets: tuple[PointSet, ...], least: Sequence[float]) -> ObjectPoints:
-    trees = point_trees([found.points for found in sets], [found.joint for found in sets])
-    return ObjectPoints(robot, sets, np.array(least), trees)
+@remembered
+def _link_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    return _planted([found for found in _solid_sets(robot, pads) if not found.pads])
 
 
-def _all_sets(robot: Robot) -> list[PointSet]:
-    """Return the points of all solids of links that move."""
-    sets = []
-    numbers = iter(range(1_000_000))
+@remembered
+def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    faces = [quarter for number, pad in enumerate(robot.with_pads(pads).pads) for quarter in _quarters(number, pad)]
+    return _planted([*faces, *(found for found in _solid_sets(robot, pads) if found.pads)])
+
+
+def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
+
+
+def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
+    """Return the points of all solids of links that move, given an unmounted robot and the names of its pads."""
+    padded, sets = robot.with_pads(pads), []
     for body in link_bodies(robot):
-        if not robot.supports[body.joint].any():
-            continue
-        fine = _near_the_hand(robot, body.joint)
-        for solid, points in zip(body.solids, _solid_points(robot.unmounted, body.name, fine), strict=True):
-            placed = PlacedSolid(next(numbers), body, solid)
-            beyond = (SPACING if fine else COARSE) / math.sqrt(3.0)
-            sets.append(PointSet(body.name, body.joint, points, pads_before(robot, placed), beyond))
+        if robot.supports[body.joint].any():
+            near = _near_the_hand(robot, body.joint)
+            for number, solid in enumerate(body.solids):
+                behind = pads_before(padded, PlacedSolid(number, body, solid))
+                spacing = BACKING if behind else SPACING if near else COARSE
+                points, within = _on_solid(robot, body.name, number, spacing)
+                if len(points):
+                    apart = spacing / math.sqrt(3.0)
+                    sets.append(PointSet(body.name, body.joint, points, behind, apart, within))
     return sets
 
 
@@ -139,26 +155,46 @@ def _near_the_hand(robot: Robot, joint: int) -> bool:
 
 
 @remembered
-def _solid_points(robot: Robot, link: str, fine: bool) -> list[Array]:
-    """Return points on every solid of a link, joint's frame, shape (n, 3) each; made once for a robot."""
+def _on_solid(robot: Robot, link: str, number: int, spacing: float) -> tuple[Array, float]:
+    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far they may be within it, m.
+
+    Those within another solid of the link are left out: that one has points farther out.
+    """
     [body] = [body for body in link_bodies(robot) if body.name == link]
-    return [_on(solid, SPACING if fine else COARSE) for solid in body.solids]
+    points, within = _on(body.solids[number], spacing)
+    for other in (other for i, other in enumerate(body.solids) if i != number):
+        if isinstance(other.shape, coal.ConvexBase) and len(points):
+            R, origin = other.placement[:3, :3], other.placement[:3, 3]
+            hull = Hull(np.array(other.shape.points()))
+            points = points[hull.outside((points - origin) @ R) > -HIDDEN]
+    return points, within
 
 
-def _on(solid: Solid, spacing: float) -> Array:
-    corners = _triangles(solid.shape)
+def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
+    shape, within = solid.shape, 0.0
+    if isinstance(shape, coal.Sphere):
+        corners = primitive_triangles("sphere", (shape.radius,))
+    elif isinstance(shape, coal.Cylinder):
+        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength))
+    else:
+        corners, within = _simplified(np.array(shape.points()))
     triangles = np.arange(3 * len(corners)).reshape(-1, 3)
     points = refined(Tessellation(corners.reshape(-1, 3), triangles), spacing).vertices
-    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3]
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
 
 
-def _triangles(shape: Any) -> Array:
-    """Return triangles around a Coal geometry, shape (n, 3, 3), m."""
-    if isinstance(shape, coal.Sphere):
-        return primitive_triangles("sphere", (shape.radius,))
-    if isinstance(shape, coal.Cylinder):
-        return primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength))
-    return Hull(np.array(shape.points())).triangles
+def _simplified(vertices: Array) -> tuple[Array, float]:
+    """Return the facets of a hull of fewer of its vertices, shape (n, 3, 3), and how far others stand out of it, m.
+
+    Of vertices in one cell of `ROUNDED` one is left: the narrow facets between them would have more points than all
+    others.
+    """
+    _, kept = np.unique(np.floor(vertices / ROUNDED), axis=0, return_index=True)
+    try:
+        hull = Hull(vertices[kept])
+    except FlatError:
+        return Hull(vertices).triangles, 0.0
+    return hull.triangles, max(0.0, float(hull.outside(vertices).max()))
 
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:
@@ -169,7 +205,7 @@ def _quarters(number: int, pad: Pad) -> list[PointSet]:
         for v in _halves(*second):
             grid = np.array([_face_point(pad.patch, a, b) for a in u for b in v])
             points = grid @ pad.rotation.T + pad.translation
-            found.append(PointSet(pad.description.link, pad.joint, points, (number,), 0.0))
+            found.append(PointSet(pad.description.link, pad.joint, points, (number,), 0.0, 0.0))
     return found
 
 

@@ -31,7 +31,7 @@ from ..compiled import compiled
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
 from .hulls import areas
-from .lattice import Lattice, covers, derivatives_at, lattice_of, nodes, value_at
+from .lattice import Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
 
 VERSION = 1
 """Of how fields are made; to be raised with every change that gives others."""
@@ -152,26 +152,13 @@ def _coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, 
 
 
 @compiled
-def clamped(coarse: Lattice, point: Array, nearest: Array) -> float:
-    """Write the nearest point of a lattice, shape (3,), and return how far it is, m."""
-    square = 0.0
-    for axis in range(3):
-        low = coarse.origin[axis] + coarse.spacing
-        high = coarse.origin[axis] + coarse.spacing * (coarse.coefficients.shape[axis] - 2)
-        nearest[axis] = min(max(point[axis], low), high)
-        square += (point[axis] - nearest[axis]) ** 2
-    return math.sqrt(square)
-
-
-@compiled
 def lower_bound(field: DistanceField, x: float, y: float, z: float) -> float:
     """Return the signed distance of a point, m, or beyond the coarse lattice a lower bound of it."""
     if covers(field.distance, x, y, z):
         return value_at(field.distance, x, y, z)
     if covers(field.coarse, x, y, z):
         return value_at(field.coarse, x, y, z)
-    point, nearest = np.array((x, y, z)), np.empty(3)
-    return AROUND + clamped(field.coarse, point, nearest)
+    return AROUND + distance_beyond(field.coarse, x, y, z)
 
 
 @compiled
@@ -182,8 +169,11 @@ def _derivatives(field: DistanceField, fine: Lattice, point: Array, gradient: Ar
         return derivatives_at(fine, x, y, z, gradient, hessian)
     if covers(field.coarse, x, y, z):
         return derivatives_at(field.coarse, x, y, z, gradient, hessian)
-    nearest = np.empty(3)
-    beyond = clamped(field.coarse, point, nearest)
+    nearest, beyond = np.empty(3), distance_beyond(field.coarse, x, y, z)
+    for i in range(3):
+        low = field.coarse.origin[i] + field.coarse.spacing
+        high = field.coarse.origin[i] + field.coarse.spacing * (field.coarse.coefficients.shape[i] - 2)
+        nearest[i] = min(max(point[i], low), high)
     value = derivatives_at(field.coarse, nearest[0], nearest[1], nearest[2], gradient, hessian)
     for i in range(3):
         if point[i] != nearest[i]:  # d(q) does not change with this coordinate

@@ -47,6 +47,10 @@ class Hull:
         self._offsets: Array = hull.equations[:, 3]
         self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
+    def outside(self, points: Array) -> Array:
+        """Return how far points, shape (n, 3), are outside the facet that they are farthest outside of, m, shape (n,)."""
+        return np.asarray((points @ self.normals.T + self._offsets).max(axis=1))
+
     def holds(self, points: Array) -> Mask:
         """Return which of the points, shape (n, 3), are in the hull or on it."""
         inside: Mask = ((points >= self._low) & (points <= self._high)).all(axis=1)

@@ -10,6 +10,7 @@ where of each sum four terms are not zero. The coefficients are those with which
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -45,12 +46,21 @@ def nodes(origin: Array, spacing: float, counts: tuple[int, ...]) -> Array:
 @compiled
 def covers(lattice: Lattice, x: float, y: float, z: float) -> bool:
     """Return whether a point is at least one spacing within the outermost nodes."""
-    h, shape, origin = lattice.spacing, lattice.coefficients.shape, lattice.origin
-    return (
-        h <= x - origin[0] <= h * (shape[0] - 2)
-        and h <= y - origin[1] <= h * (shape[1] - 2)
-        and h <= z - origin[2] <= h * (shape[2] - 2)
-    )
+    origin, once, counts = lattice.origin, 1.0 / lattice.spacing, lattice.coefficients.shape
+    u, v, w = (x - origin[0]) * once, (y - origin[1]) * once, (z - origin[2]) * once
+    return 1.0 <= u <= counts[0] - 2 and 1.0 <= v <= counts[1] - 2 and 1.0 <= w <= counts[2] - 2
+
+
+@compiled
+def distance_beyond(lattice: Lattice, x: float, y: float, z: float) -> float:
+    """Return how far a point is from what the lattice covers, m."""
+    square = 0.0
+    for axis in range(3):
+        place = x if axis == 0 else (y if axis == 1 else z)
+        low = lattice.origin[axis] + lattice.spacing
+        high = lattice.origin[axis] + lattice.spacing * (lattice.coefficients.shape[axis] - 2)
+        square += max(low - place, place - high, 0.0) ** 2
+    return math.sqrt(square)
 
 
 @compiled

@@ -80,6 +80,7 @@ class Verifier:
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
+        self._radius = self._target.radius_about(self._center_of_mass)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
         of_pads = {pad.link for pad in self._pads}
         beside = standing_out(read, tuple((pad.link, pad.patch) for pad in self._pads))
@@ -145,8 +146,9 @@ class Verifier:
         pads = Pads.at(self._pads, poses)
         normals = self._normals(claim.points, pads)
         areas = footprints(claim.points, normals, pads, self._target)
-        radius = self._target.radius_about(self._center_of_mass)
-        return hold_of(claim, pads, normals, areas, self._pad_rates(poses), self._task, self._center_of_mass, radius)
+        return hold_of(
+            claim, pads, normals, areas, self._pad_rates(poses), self._task, self._center_of_mass, self._radius
+        )
 
     def _normals(self, points: Array, pads: Pads) -> Array:
         """Return the normals of the contacts, into the object, world, shape (contacts, 3)."""
@@ -267,18 +269,17 @@ class Verifier:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
         normals = _known(inward, claim.points, pads)
-        radius = self._target.radius_about(self._center_of_mass)
         return [
             *contact_figures(claim.points, inward, pads, self._target),
             *self._region(claim.points, normals, pads),
             *rim_figures(claim.points, pads, self._target, self._task.reserve.rim),
-            *self._balance(claim, normals, radius),
+            *self._balance(claim, normals),
             *force_figures(claim, inward, self._pads, self._task),
         ]
 
-    def _balance(self, claim: Claim, normals: Array, radius: float) -> list[Figure]:
+    def _balance(self, claim: Claim, normals: Array) -> list[Figure]:
         balanced = self._task.balance_wrench
-        return balance_figures(claim, normals, self._center_of_mass, radius, self._wrench, balanced=balanced)
+        return balance_figures(claim, normals, self._center_of_mass, self._radius, self._wrench, balanced=balanced)
 
     def _region(self, points: Array, normals: Array, pads: Pads) -> list[Figure]:
         region = self._contact_region

@@ -12,30 +12,23 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array, Integers
-from ..descriptions.mesh_files import Unit, metres_in_unit
+from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.shapes import Mesh
-from ..disk import content_of, digest
 from ..errors import FileError
 from .triangle_body import TriangleBody
 
 
+@lru_cache(maxsize=16)  # by content: what is described alike is read once
 def object_mesh(shape: Mesh) -> TriangleBody:
-    """Return the body of a described mesh; the last ones are kept.
+    """Return the body of a described mesh.
 
     Raises:
         FileError: the file cannot be read, is not the one that was described, or encloses no body.
     """
-    return _body(shape.file, shape.sha256 or "", shape.scales, shape.unit)
-
-
-@lru_cache(maxsize=16)
-def _body(file: Path, sha256: str, scales: tuple[float, float, float], unit: Unit | None) -> TriangleBody:
-    content = content_of(file)
-    if digest(content) != sha256:
-        raise FileError("is not the file that the scene was made with", file=file, remedy="Load the scene again")
-    mesh, stated = _read(content, file)
-    vertices = np.asarray(mesh.vertices, dtype=np.float64) * scales
-    vertices *= metres_in_unit(unit, stated, float(np.ptp(vertices, axis=0).max()))
+    file = shape.file
+    mesh, stated = _read(shape.content(), file)
+    vertices = np.asarray(mesh.vertices, dtype=np.float64) * shape.scales
+    vertices *= metres_in_unit(shape.unit, stated, float(np.ptp(vertices, axis=0).max()))
     vertices, faces = _without_flat(vertices, np.asarray(mesh.faces, dtype=np.int64))
     if not len(faces):
         raise FileError("all triangles are flat", file=file, remedy="Export the mesh again")

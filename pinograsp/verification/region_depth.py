@@ -44,7 +44,8 @@ def least_depth(region: described.Region, vertices: Array) -> float:
         region: the region.
         vertices: a point, the ends of a line, or corners in order, shape (k, 3); or triangles, shape (n, 3, 3).
     """
-    best = float(_bounds(region, vertices.reshape(-1, 1, 3))[0].min())
+    corners = vertices if vertices.ndim == 2 else np.unique(vertices.reshape(-1, 3), axis=0)
+    best = float(_bounds(region, corners[:, None])[0].min())
     if vertices.shape == (1, 3) or _concave(region):
         return best
     cells = vertices if vertices.ndim == 3 else vertices[None] if len(vertices) == 2 else _fan(vertices)

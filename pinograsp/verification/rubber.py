@@ -13,11 +13,12 @@ pad is a link like any other (`standing_out`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from ..arrays import Array, Indices, Integers
 from ..descriptions.hand import PadDescription
@@ -35,8 +36,45 @@ SLACK = 3e-4
 """How much deeper than the rubber's depth the object may be pressed in, m."""
 SPACING = 5e-4
 """Of the points on a pad's face, m."""
+COARSE = 2e-3
+"""Of those that are looked at first, m."""
+_ROUNDING = 1e-9
 _FACET = 1e-3
 """Longest edge of the triangles into which a link with a curved pad is divided, m."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """The face of a pad as points, link frame; a signed distance changes by no more than the way between two points."""
+
+    coarse: Array
+    """Points `COARSE` apart, m, shape (c, 3)."""
+    fine: Array
+    """Points `SPACING` apart, m, shape (n, 3)."""
+    nearest: Indices
+    """Number of the coarse point that is nearest to each, shape (n,)."""
+    away: Array
+    """How far that is, m, shape (n,)."""
+
+    @classmethod
+    def of(cls, pad: PadDescription) -> Face:
+        """Put points on a pad."""
+        coarse, fine = (
+            points_of(pad.patch, spacing) @ pad.patch.rotation.T + pad.patch.origin for spacing in (COARSE, SPACING)
+        )
+        away, nearest = KDTree(coarse).query(fine)
+        return cls(coarse, fine, nearest, away)
+
+    def least(self, distances: Callable[[Array], Array]) -> float:
+        """Return the least signed distance of the points, m.
+
+        Args:
+            distances: signed distances of points, link frame, shape (n, 3).
+        """
+        found = distances(self.coarse)
+        least = float(found.min())
+        closer = self.fine[found[self.nearest] - self.away < least]
+        return min(least, float(distances(closer).min(initial=math.inf)))
 
 
 @dataclass(frozen=True)
@@ -46,19 +84,19 @@ class PadLink:
     mesh: LinkMesh
     pads: tuple[PadDescription, ...]
     """On this link."""
-    face: Array
-    """Points all over the pads, m, shape (n, 3)."""
-    owners: Indices
-    """Which pad each of these points is on, shape (n,)."""
+    faces: tuple[Face, ...]
+    """Of these pads."""
     backing: LinkMesh | None
     """What of the link is behind all rubber, cut open; None: nothing."""
+    lid: LinkMesh | None
+    """Convex polygon that closes a backing which is cut by one plane; None: there is none."""
 
     @classmethod
     def of(cls, mesh: LinkMesh, pads: tuple[PadDescription, ...]) -> PadLink:
         """Divide a link."""
-        faces = [points_of(pad.patch, SPACING) @ pad.patch.rotation.T + pad.patch.origin for pad in pads]
-        owners = np.repeat(np.arange(len(pads)), [len(points) for points in faces])
-        return cls(mesh, pads, np.concatenate(faces), owners, _backing(mesh, pads))
+        backing = _backing(mesh, pads)
+        lid = None if backing is None or len(pads) > 1 else _lid(backing, pads[0])
+        return cls(mesh, pads, tuple(Face.of(pad) for pad in pads), backing, lid)
 
 
 @remembered
@@ -95,8 +133,11 @@ def _distances(link: PadLink, target: PlacedShape, placed: Placed) -> list[tuple
     """Return the signed distance of each pad of a link, m."""
     if _entered(link, target, placed):
         return [(pad, -math.inf) for pad in link.pads]
-    distances = target.distances(placed.to_world(link.mesh.link, link.face))
-    return [(pad, float(distances[link.owners == i].min())) for i, pad in enumerate(link.pads)]
+
+    def distances(points: Array) -> Array:
+        return target.distances(placed.to_world(link.mesh.link, points))
+
+    return [(pad, face.least(distances)) for pad, face in zip(link.pads, link.faces, strict=True)]
 
 
 def _entered(link: PadLink, target: PlacedShape, placed: Placed) -> bool:
@@ -106,6 +147,8 @@ def _entered(link: PadLink, target: PlacedShape, placed: Placed) -> bool:
     for part in target.parts:
         if part_distance(link.backing, part, placed, SLACK) <= 0.0:
             return True
+        if link.lid is not None and part_distance(link.lid, part, placed, SLACK) > 0.0:
+            continue
         vertices = placed.to_link(link.mesh.link, part.vertices)
         behind = np.all([heights(pad.patch, vertices) < _limit(pad) for pad in link.pads], axis=0)
         if link.mesh.surrounds(vertices[behind]):
@@ -124,6 +167,19 @@ def _backing(mesh: LinkMesh, pads: tuple[PadDescription, ...]) -> LinkMesh | Non
         if not len(faces):
             return None
     return mesh.opened(vertices, faces)
+
+
+def _lid(backing: LinkMesh, pad: PadDescription) -> LinkMesh | None:
+    """Return the convex hull of where a backing is cut by the plane behind a flat pad."""
+    if isinstance(pad.patch, CylinderPatch | SpherePatch):
+        return None
+    rim = backing.vertices[heights(pad.patch, backing.vertices) > _limit(pad) - _ROUNDING]
+    try:
+        polygon = rim[ConvexHull(rim @ pad.patch.rotation[:, :2]).vertices]
+    except (QhullError, ValueError):  # nothing was cut, or a line
+        return None
+    count = np.arange(len(polygon) - 2)
+    return backing.opened(polygon, np.column_stack([np.zeros_like(count), count + 1, count + 2]))
 
 
 def _behind(patch: Patch, vertices: Array, faces: Integers, height: float) -> tuple[Array, Integers]:

@@ -34,6 +34,12 @@ from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 NODES = 8
 """Of the quadrature along each axis."""
+FINE = 5_000
+"""Vertices of a mesh of which no hull is made."""
+BESIDE = 1e-6
+"""How far beside a triangle it is asked whether there is an outside, m."""
+NEAR = 0.9
+"""Share of the way from the middle of a triangle to a corner at which it is asked too."""
 
 
 def _quadrature() -> tuple[Array, Array]:
@@ -57,13 +63,15 @@ class TriangleBody:
 
     def __init__(self, vertices: Array, faces: Integers) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
-        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self._around = np.ascontiguousarray(faces, dtype=np.int64)
         self.middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         """Of the bounding box, shape (3,)."""
+        self._winding = igl.FastWindingNumberBVH()
+        self._winding.init(self.vertices, self._around)
+        self.faces = np.ascontiguousarray(self._around[self._bounding()])
+        """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
         self._tree = igl.AABB()
         self._tree.init(self.vertices, self.faces)
-        self._winding = igl.FastWindingNumberBVH()
-        self._winding.init(self.vertices, self.faces)
 
     def contains(self, points: Array) -> Mask:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
@@ -81,10 +89,23 @@ class TriangleBody:
         length = float(np.linalg.norm(slope))
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
+    def _bounding(self) -> Mask:
+        """Return which triangles have an outside next to them: at their middle, or near a corner."""
+        corners = self.vertices[self._around]
+        middles = corners.mean(axis=1)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        step = BESIDE * across / np.linalg.norm(across, axis=1)[:, None]
+        bounding = np.zeros(len(corners), dtype=bool)
+        for share in (middles, *(middles + NEAR * (corners[:, i] - middles) for i in range(3))):
+            for beside in (step, -step):
+                rest = np.flatnonzero(~bounding)
+                bounding[rest] = ~self.contains((share + beside)[rest])
+        return bounding
+
     @cached_property
     def sigma(self) -> float:
         """Of the footprint normal, m: the largest than which the body is thick enough (`descriptions.mesh_contact`)."""
-        chosen = self.vertices[self.faces[:: -(-len(self.faces) // FACES)]]
+        chosen = self.vertices[self._around[:: -(-len(self._around) // FACES)]]
         across = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
         areas = np.linalg.norm(across, axis=1)
         centroids, normals = chosen.mean(axis=1), across / areas[:, None]
@@ -100,14 +121,9 @@ class TriangleBody:
         return triangle_tree(self.vertices, self.faces)
 
     @cached_property
-    def corners(self) -> Array:
-        """Corners of the convex hull, shape (n, 3)."""
-        return hull_corners(self.vertices)
-
-    @cached_property
     def hull(self) -> Any | None:
-        """Coal's convex hull; None where Coal makes none."""
-        return hull_solid(self.corners)
+        """Coal's convex hull; None where Coal makes none, and of a fine mesh, whose tree is as quick."""
+        return hull_solid(hull_corners(self.vertices)) if len(self.vertices) <= FINE else None
 
     @cached_property
     def members(self) -> Array:

@@ -12,11 +12,11 @@ from ...descriptions.shapes import Mesh
 from ..footprint import tangents
 from ..object_mesh import object_mesh
 from ..outlines import Rubber
-from .core import Core, Limits
+from .core import PENETRATION, Core, Limits
 
 GAP = 1e-4
 """Distance of a contact point from the triangles, m: more than the error of distances interpolated between them."""
-TOUCHED = 1e-4
+TOUCHED = PENETRATION
 """What is so near to the tangent plane of a contact is touched by a rigid pad, m."""
 _SLIVER = 1e-6
 
@@ -53,7 +53,7 @@ class MeshGeometry:
 
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds all triangles."""
-        return float(np.linalg.norm(self._body.corners - point, axis=1).max())
+        return float(np.linalg.norm(self._body.vertices - point, axis=1).max())
 
     def face(self, point: Array) -> Array:
         """Point itself: what else is in its plane is a matter of how exactly that is known (see `footprint`)."""
