@@ -8,13 +8,15 @@ m the membership of the region:
     value              max(m(q), d(p) - depth of the rubber, FACING (n(p) . z + 1/2)),  n the normal of the object
 
 A point is fine if what is below it is in the region, is not touched, or does not face the pad, as beyond an edge that
-the pad stands over. A row is the least value over a quarter of a
+the pad stands over. A row is the least value over a cell of a
 pad's face, or that of the contact point of a pad that is not flat.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,8 +29,10 @@ from ..footprint import frame, moves, rectangle
 from ..state import State
 from ..task_model import TaskModel
 
+CELLS = 4
+"""A pad's face has so many cells along each edge, each with a row: the places of least values move on with the pad."""
 SPACING = 0.0025
-"""Largest distance of neighbouring points of a pad's face, m."""
+"""Largest distance of neighbouring points of a cell, m."""
 FACING = 0.01
 """Value of a point whose normal is 90 degrees off that of the pad, twice, m."""
 
@@ -50,28 +54,28 @@ class FootprintRegion(Inside):
     def __init__(self, model: TaskModel, region: Region) -> None:
         self._region, self._model = membership(region), model
         self._depths = [pad.rubber_depth for pad in model.robot.description.pads]
-        self._quarters = [_quarters(pad.patch) for pad in model.robot.pads]
-        named = zip(model.robot.description.pads, self._quarters, strict=True)
-        self._pads = [pad.name for pad, quarters in named for _ in range(max(1, len(quarters)))]
+        self._cells = [_cells(pad.patch) for pad in model.robot.pads]
+        named = zip(model.robot.description.pads, self._cells, strict=True)
+        self._pads = [pad.name for pad, cells in named for _ in range(max(1, len(cells)))]
         self.rows = tuple(f"contact region of {pad}, {row + 1}" for row, pad in enumerate(self._pads))
 
     def inside(self, state: State) -> Residual:
         values, jacobian, row = np.empty(len(self.rows)), np.zeros((len(self.rows), len(state.x))), 0
-        for pad, quarters in enumerate(self._quarters):
-            if not len(quarters):
+        for pad, cells in enumerate(self._cells):
+            if not len(cells):
                 found, slopes = self._membership(state.contacts.points[pad][None])
                 values[row], jacobian[row] = found[0], slopes[0] @ state.contacts.d_points[pad]
                 row += 1
                 continue
             R, origin = frame(state, pad)
-            points = quarters.reshape(-1, 3) @ R.T + origin
+            points = cells.reshape(-1, 3) @ R.T + origin
             distances, normals, hessians = state.model.object_surface(points)
             z = R[:, 2]
             feet = points + distances[:, None] * z
             found, slopes = self._membership(feet)
             values_of = np.array([found, distances - self._depths[pad], FACING * (normals @ z + 0.5)])
-            inside, size = values_of.max(axis=0).reshape(len(quarters), -1), quarters.shape[1]
-            for worst in (inside.argmin(axis=1) + np.arange(len(quarters)) * size).tolist():
+            inside, size = values_of.max(axis=0).reshape(len(cells), -1), cells.shape[1]
+            for worst in (inside.argmin(axis=1) + np.arange(len(cells)) * size).tolist():
                 with_pad = moves(state, pad, points[worst])
                 nearer = normals[worst] @ with_pad
                 match int(values_of[:, worst].argmax()):
@@ -96,14 +100,13 @@ class FootprintRegion(Inside):
         return [self.largest_violation(state, "mm", 1e3, self._pads)]
 
 
-def _quarters(patch: Patch) -> Array:
-    """Return points of the face of a flat pad in its frame, shape (4 quarters, n, 3), m; none of another pad."""
+def _cells(patch: Patch) -> Array:
+    """Return points of the face of a flat pad in its frame, shape (cells, n, 3), m; none of another pad."""
     if not isinstance(patch, PlanePatch | LinePatch):
         return np.zeros((0, 0, 3))
-    counts = [max(1, int(np.ceil(0.5 * (high - low) / SPACING))) for low, high in rectangle(patch)]
-    halves = [
-        (np.linspace(low, 0.5 * (low + high), count + 1), np.linspace(0.5 * (low + high), high, count + 1))
-        for (low, high), count in zip(rectangle(patch), counts, strict=True)
+    borders = [np.linspace(low, high, CELLS + 1) for low, high in rectangle(patch)]
+    lines = [
+        [np.linspace(a, b, 1 + max(1, math.ceil((b - a) / SPACING))) for a, b in pairwise(along)] for along in borders
     ]
-    grids = [np.stack(np.meshgrid(x, y, [0.0]), axis=-1).reshape(-1, 3) for x in halves[0] for y in halves[1]]
+    grids = [np.stack(np.meshgrid(x, y, [0.0]), axis=-1).reshape(-1, 3) for x in lines[0] for y in lines[1]]
     return np.array(grids)
