@@ -51,7 +51,7 @@ def _absolute(address: object, info: ValidationInfo) -> str:
     if Path(text).suffix[1:].lower() not in FILE_TYPES:
         known = ", ".join(f".{name}" for name in FILE_TYPES)
         raise wrong(f"{text!r} is no mesh file that can be read", remedy=f"The suffix must be one of {known}")
-    scene = (info.context or {}).get(SCENE_FILE, Path("scene.yaml"))
+    scene: Path = (info.context or {}).get(SCENE_FILE, Path("scene.yaml"))
     if not text.startswith("package://"):
         return os.path.normpath(scene.resolve().parent / text.removeprefix("file://"))
     folders = package_folders(scene, ())

@@ -99,7 +99,9 @@ def _required(found: MeshContent, file: Path) -> MeshContent:
     corners = found.vertices[found.faces]  # every index was looked at
     if not (finite := np.isfinite(corners).all(axis=(1, 2))).all():
         bad = np.flatnonzero(~finite)
-        problem = f"{len(bad)} triangles have a corner that is no place (not a number, or infinite), first {bad[0]}"
+        problem = (
+            f"{len(bad)} of {len(finite)} triangles have corners that are not finite, the first is number {bad[0]}"
+        )
         raise FileError(problem, file=file, remedy="Export it again, or remove them")
     return found
 

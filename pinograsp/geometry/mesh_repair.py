@@ -22,8 +22,12 @@ NEAR = 1e-6
 """Corners that are nearer than this part of the body's extent are one."""
 ADDED = -1
 """Origin of a triangle that closes a hole."""
-SLIT_EDGES = 3_000
-"""Borders of more edges are judged by their diameter alone."""
+SLIT_EDGES = 20_000
+"""Where more edges than this are open, none is looked at whether it is but a slit."""
+SLIT_PLACES = 3_000
+"""Places along open edges at which that is asked at most."""
+UNPAIRED = 0.5
+"""Part of the radius of a ball around a place on a border that the open edges in it may add up to in a slit."""
 BURIED = 20
 """Holes, the largest ones, that are looked for inside other parts."""
 GHOST = 0.01
@@ -80,7 +84,7 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
     _require_extent(vertices)
     faces, origin = _once(faces)
     faces, turned = _consistent(vertices, faces)
-    findings = [f"{turned} triangles that faced the other way than their neighbours are turned"] if turned else []
+    findings = [f"{counted(turned, 'triangle')} against the direction of their neighbours turned"] if turned else []
     faces, inside_out = _outward(vertices, faces)
     findings += inside_out
     vertices, caps, holes = _caps(vertices, faces, largest_hole)
@@ -212,8 +216,9 @@ def _outward(vertices: Array, faces: Integers) -> tuple[Integers, list[str]]:
     turned = negative[part]
     if not turned.any():
         return faces, []
-    whole = "inside out: turned" if turned.all() else f"{int(negative.sum())} parts of it are inside out: turned"
-    return np.where(turned[:, None], faces[:, ::-1], faces), [whole]
+    count = int(negative.sum())
+    some = f"{counted(count, 'part')} of it {'is' if count == 1 else 'are'} inside out: turned"
+    return np.where(turned[:, None], faces[:, ::-1], faces), ["inside out: turned" if turned.all() else some]
 
 
 def _caps(vertices: Array, faces: Integers, largest: float) -> tuple[Array, Integers, list[str]]:
@@ -230,28 +235,27 @@ def _caps(vertices: Array, faces: Integers, largest: float) -> tuple[Array, Inte
     forward = np.where((net[border] > 0)[:, None], ends[border][:, ::-1], ends[border])
     times = np.abs(net[border])
     hole_of = np.unique(_components(forward, len(vertices))[forward[:, 0]], return_inverse=True)[1]
+    borders = _Borders(vertices[forward], times, largest)
     added, caps, buried = list[Array](), list[Integers](), 0
-    sizes, slits = list[float](), list[float]()
+    sizes, slits = list[float](), 0
     refused: list[tuple[float, Array]] = []
     order = np.argsort(hole_of, kind="stable")
     for rows in np.split(order, np.flatnonzero(np.diff(hole_of[order])) + 1):
-        corners = vertices[np.unique(forward[rows])]
-        middle = vertices[forward[rows]].mean(axis=(0, 1))  # weighs more where the border is finer
-        size = float(np.linalg.norm(np.ptp(corners, axis=0)))
         edges = vertices[forward[rows]]
-        width = size if size <= largest else _width(edges, size)
-        if width <= largest < size:
-            slits.append(width)
+        middle = edges.mean(axis=(0, 1))  # weighs more where the border is finer
+        around = 0.5 * (edges.min(axis=(0, 1)) + edges.max(axis=(0, 1)))
+        size = 2.0 * float(np.linalg.norm(edges - around, axis=2).max())
+        if size <= largest:
+            sizes.append(size)
+        elif borders.is_slit(rows):
+            slits += 1
             if not _is_spanned(edges, middle, largest):
                 continue
-        elif size > largest:
-            if len(refused) < BURIED and _is_buried(vertices, faces, forward[rows], middle):
-                buried += 1
-            else:
-                refused.append((width, middle))
-                continue
+        elif len(refused) < BURIED and _is_buried(vertices, faces, forward[rows], middle):
+            buried += 1
         else:
-            sizes.append(size)
+            refused.append((size, middle))
+            continue
         fan = np.column_stack([forward[rows], np.full(len(rows), len(vertices) + len(added))])
         caps.append(np.repeat(fan, times[rows], axis=0))
         added.append(middle)
@@ -259,36 +263,55 @@ def _caps(vertices: Array, faces: Integers, largest: float) -> tuple[Array, Inte
         _refuse(refused, largest)
     findings = []
     if sizes:
-        findings.append(f"{_counted(len(sizes), 'hole')} of up to {1e3 * max(sizes):.2g} mm closed")
+        findings.append(f"{counted(len(sizes), 'hole')} of up to {1e3 * max(sizes):.2g} mm closed")
     if slits:
-        findings.append(f"{_counted(len(slits), 'slit')} of up to {1e3 * max(slits):.2g} mm in width tolerated")
+        findings.append(f"{counted(slits, 'open seam')} narrower than {1e3 * largest:.2g} mm tolerated")
     if buried:
-        findings.append(f"{_counted(buried, 'open end')} inside other parts closed")
+        findings.append(f"{counted(buried, 'open end')} inside other parts closed")
     whole = np.concatenate([vertices, np.array(added).reshape(-1, 3)])
     return whole, np.concatenate([np.zeros((0, 3), dtype=np.int64), *caps]), findings
 
 
-def _counted(count: int, what: str) -> str:
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def _width(edges: Array, size: float) -> float:
-    """Return twice the largest distance from an edge of a hole's border to one of another direction, or its diameter.
+class _Borders:
+    """All open edges, told apart where the surface gapes and where it is but slit.
 
-    A long slit is as wide as its sides are apart, a round hole as its diameter.
+    Around a place on the border of a hole the open edges lead from one side of a ball to the other. In a slit its two
+    sides lead there and back, and cancel.
 
     Args:
         edges: shape (e, 2 ends, 3), m.
-        size: its diameter, m.
+        times: how often a triangle is missing at each, shape (e,).
+        radius: of the balls, m.
     """
-    if len(edges) > SLIT_EDGES:
-        return size
-    along = edges[:, 1] - edges[:, 0]
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    widest = 0.0
-    for middle, unit in zip(edges.mean(axis=1), along, strict=True):
-        widest = max(widest, float(_apart(edges, middle)[along @ unit < 0.5].min(initial=size)))
-    return min(size, 2.0 * widest)
+
+    def __init__(self, edges: Array, times: Integers, radius: float) -> None:
+        self._edges, self._times, self._radius = edges, times, radius
+        self._along = edges[:, 1] - edges[:, 0]
+
+    def is_slit(self, rows: Indices) -> bool:
+        """Return whether the border of these edges is that of a slit."""
+        if len(self._edges) > SLIT_EDGES:
+            return False
+        edges = self._edges[rows]
+        counts = np.ceil(np.linalg.norm(self._along[rows], axis=1) / self._radius).clip(1, 100).astype(np.int64)
+        shares = [(np.arange(count) + 0.5) / count for count in counts]
+        places = np.concatenate([a + share[:, None] * (b - a) for (a, b), share in zip(edges, shares, strict=True)])
+        places = places[:: -(-len(places) // SLIT_PLACES)]
+        return all(self._unpaired(place) <= UNPAIRED * self._radius for place in places)
+
+    def _unpaired(self, place: Array) -> float:
+        """Return the length of the sum of the parts of edges that are in a ball, m."""
+        away, squared = self._edges[:, 0] - place, (self._along * self._along).sum(axis=1)
+        half = (away * self._along).sum(axis=1) / squared
+        root = half * half - ((away * away).sum(axis=1) - self._radius**2) / squared
+        spread = np.sqrt(np.maximum(root, 0.0))
+        shares = np.clip(spread - half, 0.0, 1.0) - np.clip(-spread - half, 0.0, 1.0)
+        return float(np.linalg.norm((shares * self._times) @ self._along))
 
 
 def _apart(edges: Array, point: Array) -> Array:

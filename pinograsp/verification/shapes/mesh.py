@@ -19,6 +19,8 @@ GAP = 1e-4
 TOUCHED = PENETRATION
 """What is so near to the tangent plane of a contact is touched by a rigid pad, m."""
 _SLIVER = 1e-6
+_FACING = 0.5
+"""Cosine of the largest angle between what is touched and the face of the pad."""
 
 
 class MeshGeometry:
@@ -75,12 +77,19 @@ class MeshGeometry:
         return np.asarray(point + hull @ axes)
 
     def touched(self, rubber: Rubber) -> Array:
-        """Return all within the rubber's rectangle that is no farther than its depth from the pad's face."""
+        """Return all within the rubber's rectangle that is no farther than its depth from the pad's face, and faces it.
+
+        What is turned off by more than 60 degrees is not touched, as the top of a can whose side is held at the rim.
+        """
         x, y, outward = rubber.rotation.T
         low, high = rubber.low - _SLIVER, rubber.high + _SLIVER
         normals = np.array([-x, -y, x, y, outward, -outward])
         offsets = normals @ rubber.origin + [*-low, *high, rubber.depth, rubber.depth]
-        return self._body.clipped(normals, offsets)[0]
+        found, numbers = self._body.clipped(normals, offsets)
+        a, b, c = self._body.vertices[self._body.faces[numbers]].transpose(1, 0, 2)
+        across = np.cross(b - a, c - a)
+        facing = across @ outward < -_FACING * np.linalg.norm(across, axis=1)
+        return np.asarray(found[facing])
 
     def edge(self, point: Array) -> float:
         """Infinite: where faces end is not known of a mesh; the rubber's depth limits what is at its edges."""
