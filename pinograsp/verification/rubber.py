@@ -64,7 +64,8 @@ class Skin:
         face = points_of(pad.patch, SPACING) @ pad.patch.rotation.T + pad.patch.origin
         vertices, faces = _before(pad.patch, mesh.vertices, mesh.faces, -_thickness(pad))
         if len(faces):
-            vertices = trimesh.remesh.subdivide_to_size(vertices, faces, SPACING, max_iter=20)[0]
+            vertices, faces = trimesh.remesh.subdivide_to_size(vertices, faces, SPACING, max_iter=20)
+            vertices = vertices[np.unique(faces)]
             vertices = vertices[heights(pad.patch, vertices) <= PENETRATION]  # what stands out is another matter
             face = np.vstack([face, _thinned(vertices, SPACING)])
         coarse = _thinned(face, COARSE)
