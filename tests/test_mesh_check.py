@@ -61,7 +61,13 @@ def check(case: Case, tmp_path: Path) -> Check:
     pose = {"position": case.center.tolist(), "rpy": rpy}
 
     def checked(shape: Any, **task: Any) -> Certificate:
-        return Verifier(case.robot, scene(shape, **task), "sphere").certify(case.claim)
+        verifier = Verifier(case.robot, scene(shape, **task), "sphere")
+        certificate = verifier.certify(case.claim)
+        # Pair by pair it is the same.
+        pairs = verifier.clearances(case.claim.joints)
+        for name in ("object clearance", "pad clearance"):
+            assert min(pair.distance for pair in pairs if pair.name == name) == certificate[name].value
+        return certificate
 
     def scene(shape: Any, **task: Any) -> Scene:
         if not isinstance(shape, dict):
@@ -321,11 +327,27 @@ def test_a_fine_mesh_has_the_figures_of_the_primitive(case: Case, check: Check, 
     assert found["pad tangency"].limit == pytest.approx(math.atan(0.1) + math.radians(0.5), abs=0.05)
 
 
-def test_the_centre_of_mass_is_not_needed_twice(case: Case, check: Check) -> None:
-    """Mass and centre of mass are those of the description: a heavier mesh changes the resistance alone."""
-    exact, found = check(block(case)), check(block(case), withstand=1.0)
-    assert exact["torque balance"] == found["torque balance"]
-    assert found["Q_force"].limit == 1.0
+def test_the_centre_of_mass_of_a_mesh_is_computed(case: Case, tmp_path: Path) -> None:
+    """Where the scene gives none, by the check itself: of a ball with a lump at its side that of both."""
+    lump = trimesh.creation.box(extents=[0.02, 0.02, 0.02]).apply_translation([0.0, 0.0, 0.05])
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=case.radius)
+    both = trimesh.util.concatenate([ball, lump])
+    both.export(tmp_path / "object.ply")
+    given = case.scene().model_dump()
+    given["objects"]["sphere"]["shape"] = {"type": "mesh", "file": str(tmp_path / "object.ply")}
+    verifier = Verifier(case.robot, Scene.model_validate(given), "sphere")
+    height = 0.05 * 8e-6 / (8e-6 + ball.volume)
+    np.testing.assert_allclose(verifier._center_of_mass - case.center, [0.0, 0.0, height], atol=1e-9)
+    given["objects"]["sphere"]["center_of_mass"] = [0.0, 0.0, 0.001]
+    verifier = Verifier(case.robot, Scene.model_validate(given), "sphere")
+    np.testing.assert_allclose(verifier._center_of_mass - case.center, [0.0, 0.0, 0.001], atol=1e-12)
+
+
+def test_a_least_resistance_may_be_asked_for(case: Case, check: Check) -> None:
+    plain, asked = check(block(case)), check(block(case), withstand=1.0)
+    assert asked.verified
+    assert asked["Q_force"].limit == 1.0
+    assert asked["Q_force"].value == pytest.approx(plain["Q_force"].value)
 
 
 def test_pads_may_tilt_as_far_as_rubber_gives(case: Case, check: Check) -> None:

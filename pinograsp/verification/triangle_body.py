@@ -115,6 +115,13 @@ class TriangleBody:
         return bounding
 
     @cached_property
+    def centroid(self) -> Array:
+        """Centre of mass of the body filled evenly, shape (3,): of tetrahedra from the middle, with signed volumes."""
+        a, b, c = (self.vertices - self.middle)[self._around].transpose(1, 0, 2)
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+        return np.asarray(self.middle + 0.25 * volumes @ (a + b + c) / volumes.sum())
+
+    @cached_property
     def sigma(self) -> float:
         """Of the footprint normal, m: the largest than which the body is thick enough (`descriptions.mesh_contact`)."""
         chosen = self.vertices[self._around[:: -(-len(self._around) // FACES)]]
