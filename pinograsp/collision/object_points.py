@@ -104,7 +104,9 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
         margin: distance that solids are to keep, m.
     """
     sets, trees = _link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
-    return ObjectPoints(robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees)
+    return ObjectPoints(
+        robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees
+    )
 
 
 def pad_points(robot: Robot) -> ObjectPoints:
