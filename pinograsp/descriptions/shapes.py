@@ -6,13 +6,13 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from functools import cached_property
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
-from .mesh_files import MeshAddress, Unit, content_digest
+from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .pose import ZERO, Pose
 from .values import NotNegative, Positive, listed, wrong
@@ -98,37 +98,23 @@ class Ellipsoid(ShapeDescription):
     """Along x, y, z, m."""
 
 
-class Mesh(ShapeDescription):
-    """The body that the triangles of a file enclose, in the file's own frame."""
+class Mesh(ShapeDescription, MeshFile):
+    """The body that the triangles of a file enclose, in the frame of the file."""
 
     type: Literal["mesh"] = "mesh"
     file: MeshAddress
-    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute, or `package://`; absolute when it was read."""
-    scale: Positive | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)] = 1.0
-    """Factor on the file's coordinates, or one along each axis; besides the unit."""
-    unit: Unit | None = None
-    """Of the file's coordinates; by default metres, or what the file says, or mm if the body were larger than 3 m."""
-    largest_hole: NotNegative = 0.002
-    """Holes of up to this diameter are closed; larger ones are refused; m."""
-    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
-    """Of the file's content, which must have it; by default that of the file when the scene is read."""
+    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
 
-    @model_validator(mode="after")
-    def _content_fixed(self) -> Self:
-        if self.sha256 is None:
-            self.__dict__["sha256"] = content_digest(self.file)
-        return self
+    @cached_property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the body filled evenly, m; the file is read when it is first asked.
 
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return the same with some fields replaced; another file has another content."""
-        if update and "file" in update:
-            update = {"sha256": None, **update}
-        return super().model_copy(update=update, deep=deep)
+        Raises:
+            FileError: the file cannot be read, or is not that which was described.
+        """
+        from .mesh_centroid import centroid_of  # which needs more time to import than all of the descriptions
 
-    @property
-    def scales(self) -> tuple[float, float, float]:
-        """Factors on the file's coordinates along x, y, z, besides the unit."""
-        return self.scale if isinstance(self.scale, tuple) else (self.scale, self.scale, self.scale)
+        return centroid_of(self)
 
 
 SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)

@@ -1,21 +1,26 @@
-"""The triangles of a described mesh, in metres."""
+"""The body that a described mesh stands for: triangles in metres, mended, with what is painted on them.
+
+All of it follows from the bytes of the file and the description, and is kept in this process.
+"""
 
 from __future__ import annotations
 
-import io
-import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
-import trimesh
 
-from ..arrays import Array, Integers
-from ..descriptions.mesh_files import metres_in_unit
+from ..arrays import Array, Integers, Mask
+from ..descriptions.mesh_files import Unit, metres_in_unit
 from ..descriptions.shapes import Mesh
-from ..disk import content_of, digest
 from ..errors import FileError
-from ..memo import remembered
+from .mesh_content import MeshContent, Paint, read_content
+from .mesh_repair import NoBodyError, corners_of, repaired
+
+SMALLEST = 0.002
+"""A body that is smaller may have coordinates of another unit, m."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,11 @@ class ObjectMesh:
     vertices: Array
     """Shape (v, 3), m."""
     faces: Integers
-    """Corners counter-clockwise seen from outside, shape (f, 3)."""
+    """Counter-clockwise seen from outside; closed but for slits and slivers; shape (f, 3)."""
+    outer: Mask
+    """Which triangles bound the body, and do not lie wholly inside it where parts overlap; shape (f,)."""
+    paint: Paint
+    """What is painted on the triangles."""
     findings: tuple[str, ...]
     """What was taken for granted or mended, in words."""
 
@@ -35,30 +44,38 @@ class ObjectMesh:
         return np.asarray(self.vertices[self.faces])
 
 
-@remembered
 def object_mesh(shape: Mesh) -> ObjectMesh:
-    """Return the triangles of a described mesh.
+    """Return the body of a described mesh.
 
     Raises:
         FileError: the file cannot be read, has changed since it was described, or encloses no body.
     """
-    content = content_of(shape.file)
-    if digest(content) != shape.sha256:
-        raise FileError("is not the file that the scene was made with", file=shape.file, remedy="Load the scene again")
+    return _made(shape.file, shape.sha256, shape.scales, shape.unit, shape.largest_hole)
+
+
+@lru_cache(maxsize=32)  # worker processes that are forked have it all
+def _made(
+    file: Path, sha256: str | None, scales: tuple[float, float, float], unit: Unit | None, largest_hole: float
+) -> ObjectMesh:
+    shape = Mesh(file=file, sha256=sha256, scale=scales, unit=unit, largest_hole=largest_hole)
+    read = read_content(file, shape.content())
+    scaled = read.vertices * scales
+    extent = float(np.ptp(scaled[corners_of(read.faces, len(scaled))], axis=0).max())
+    metres = metres_in_unit(unit, read.metres, extent)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=shape.file.suffix[1:].lower(), process=False)
-            whole = scene.to_geometry()
-            vertices, faces = np.array(whole.vertices, dtype=np.float64), np.array(whole.faces, dtype=np.int64)
-    except Exception as error:  # of any kind, from a parser that is given any bytes
-        raise FileError(f"the mesh cannot be read: {error}", file=shape.file) from None
-    vertices = vertices * shape.scales
-    vertices *= metres_in_unit(shape.unit, 1.0, float(np.ptp(vertices, axis=0).max()))
-    vertices, inverse = np.unique(vertices, axis=0, return_inverse=True)
-    faces = inverse.reshape(-1)[faces]
-    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
-    a, b, c = vertices[faces].transpose(1, 0, 2)
-    if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0.0:
-        faces = faces[:, ::-1]
-    return ObjectMesh(vertices, np.ascontiguousarray(faces), ())
+        body = repaired(scaled * metres, read.faces, largest_hole)
+    except NoBodyError as error:
+        raise FileError(error.problem, file=file, remedy=error.remedy) from None
+    findings = (*_of_units(shape, read, extent, metres), *body.findings)
+    return ObjectMesh(body.vertices, body.faces, body.outer, read.paint.taken(body.origin), findings)
+
+
+def _of_units(shape: Mesh, read: MeshContent, extent: float, metres: float) -> Iterator[str]:
+    """Say what was taken for the unit where nobody gives it."""
+    size = f"{1e3 * extent * metres:.3g} mm large"
+    if shape.unit is None and read.metres != 1.0:
+        yield f"taken in units of {metres:g} m, as the file says: it is {size}"
+    elif shape.unit is None and metres != 1.0:
+        yield f"taken as millimetres: it is {size}, in metres it would be {extent:.3g} m"
+    if extent * metres < SMALLEST:
+        yield f"it is only {size}: is `unit` right?"

@@ -14,6 +14,7 @@ from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
 from ..geometry.tessellation import refined
 from ..kinematics.hand_posture import widest_jaw
+from .mesh_findings import mesh_findings
 from .regions import check_region
 from .task_model import TaskModel
 
@@ -55,7 +56,7 @@ def check_task(model: TaskModel) -> list[str]:
             remedy="Give one for each pad",
         )
     _jaw_wide_enough(model)
-    return check_region(model)
+    return [*mesh_findings(model.scene, model.task), *check_region(model)]
 
 
 def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:

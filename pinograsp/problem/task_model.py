@@ -34,7 +34,7 @@ class TaskModel:
         self.parameter_limits = parameter_limits(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         self.surface = surface_of(scene.objects[self.task.object].shape)
-        region = self.task.contact_region
+        region = scene.region_of(self.task)
         self.region = None if region is None else membership(region)
         self._place_object()
         stiffness = robot.description.stiffness
