@@ -47,7 +47,16 @@ def bracket() -> Any:
 
 def bottle() -> Any:
     """Return a bottle with a shoulder and a neck: a profile turned about z, 60 mm wide."""
-    profile = [(0, 0), (0.028, 0), (0.03, 0.003), (0.03, 0.11), (0.026, 0.125), (0.013, 0.14), (0.012, 0.165), (0, 0.165)]
+    profile = [
+        (0, 0),
+        (0.028, 0),
+        (0.03, 0.003),
+        (0.03, 0.11),
+        (0.026, 0.125),
+        (0.013, 0.14),
+        (0.012, 0.165),
+        (0, 0.165),
+    ]
     return trimesh.creation.revolve(np.array(profile, dtype=float), sections=96)
 
 

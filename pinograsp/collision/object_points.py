@@ -21,10 +21,10 @@ from typing import NamedTuple
 import coal
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch
 from ..geometry.hulls import FlatError, Hull
-from ..geometry.patches import patch_point
+from ..geometry.patches import above, patch_point
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
 from ..geometry.shapes import Surface
@@ -39,8 +39,10 @@ from .world import Solid
 
 SPACING, COARSE = 0.0015, 0.004
 """Longest edge between points of links that the hand moves or that carry it, and of the other links, m."""
-BACKING = 0.0025
+BACKING = 0.002
 """Longest edge between points of what is behind a pad, m."""
+RUBBER, BACKED = 2.0, 0.0002
+"""Thickness of rubber, in parts of the depth by which it yields, and what its backing keeps from the object, m."""
 ROUNDED = 0.0005
 """Vertices of a solid that are nearer to each other than about this count as one, m."""
 HIDDEN = 1e-5
@@ -57,7 +59,9 @@ class PointSet(NamedTuple):
     points: Array
     """In the joint's frame, m, shape (n, 3)."""
     pads: tuple[int, ...]
-    """Numbers of the pads whose surface bounds them."""
+    """Numbers of the pads whose surface bounds their solid."""
+    yields: bool
+    """Whether they belong to the rubber of these pads."""
     apart: float
     """Largest distance of a point of a facet from the nearest of them, m."""
     within: float
@@ -104,17 +108,25 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
         margin: distance that solids are to keep, m.
     """
     sets, trees = _link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
-    return ObjectPoints(robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees)
+    return ObjectPoints(
+        robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees
+    )
 
 
 def pad_points(robot: Robot) -> ObjectPoints:
-    """Return the points of what may press into an object by the depth of the rubber: pads, and what is behind them.
+    """Return the points of pads and of what is behind them.
 
-    The face of a pad is in four quarters, so that it is known on which sides it is too deep.
+    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields; what
+    backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
+    is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
     sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
-    return ObjectPoints(robot, sets, np.array([-min(depths[pad] for pad in found.pads) for found in sets]), trees)
+    least = [
+        -min(depths[pad] for pad in found.pads) if found.yields else math.hypot(BACKED, found.apart) + found.within
+        for found in sets
+    ]
+    return ObjectPoints(robot, sets, np.array(least), trees)
 
 
 @remembered
@@ -142,10 +154,22 @@ def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
                 behind = pads_before(padded, PlacedSolid(number, body, solid))
                 spacing = BACKING if behind else SPACING if near else COARSE
                 points, within = _on_solid(robot, body.name, number, spacing)
-                if len(points):
-                    apart = spacing / math.sqrt(3.0)
-                    sets.append(PointSet(body.name, body.joint, points, behind, apart, within))
+                rubber = _in_rubber(padded, behind, points)
+                for yields in (True, False):
+                    some = points[rubber == yields]
+                    if len(some):
+                        apart = spacing / math.sqrt(3.0)
+                        sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within))
     return sets
+
+
+def _in_rubber(robot: Robot, pads: tuple[int, ...], points: Array) -> Mask:
+    """Return which points behind pads, joint's frame, shape (n, 3), belong to the rubber of one of them."""
+    inside = np.zeros(len(points), dtype=bool)
+    for pad in (robot.pads[number] for number in pads):
+        heights = above(pad.patch, (points - pad.translation) @ pad.rotation)
+        inside |= heights > -RUBBER * pad.description.rubber_depth
+    return inside
 
 
 def _near_the_hand(robot: Robot, joint: int) -> bool:
@@ -205,7 +229,7 @@ def _quarters(number: int, pad: Pad) -> list[PointSet]:
         for v in _halves(*second):
             grid = np.array([_face_point(pad.patch, a, b) for a in u for b in v])
             points = grid @ pad.rotation.T + pad.translation
-            found.append(PointSet(pad.description.link, pad.joint, points, (number,), 0.0, 0.0))
+            found.append(PointSet(pad.description.link, pad.joint, points, (number,), True, 0.0, 0.0))
     return found
 
 

@@ -13,13 +13,14 @@ the same where the fine lattice ends. Beyond the coarse lattice, with q the near
     d(p) = d(q) + |p - q|     an upper bound of the distance;     AROUND + |p - q| is a lower one.
 
 Signs: the segment between two nodes that are farther from the surface, together, than from each other does not cross it.
-So nodes are joined to regions of one sign, and only one node of each region, and those close to the surface, are asked
+So nodes are joined to regions of one sign, and only one node of each region, and those next to the surface, are asked
 whether the surface goes around them.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -31,9 +32,9 @@ from ..compiled import compiled
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
 from .hulls import areas
-from .lattice import Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
+from .lattice import RIM, Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
 
-VERSION = 1
+VERSION = 4
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -43,7 +44,7 @@ MARGIN = 8
 """Spacings from the body to where the fine lattice ends."""
 FINEST, MOST_NODES = 0.0005, 3_500_000
 """Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
-COARSE_NODES = 80_000
+COARSE_NODES = 60_000
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
 _TRUNCATED = 3.0
@@ -56,6 +57,8 @@ class DistanceField(NamedTuple):
     distance: Lattice
     smoothed: Lattice
     coarse: Lattice
+    error: float
+    """Largest difference of the coarse lattice from the distance at the fine nodes near the surface, m."""
 
 
 def footprint_sigma(exact: ExactDistance, vertices: Array, faces: Integers) -> float:
@@ -86,29 +89,28 @@ def distance_field(vertices: Array, faces: Integers, sigma: float) -> DistanceFi
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
     h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
-    beyond = math.ceil(_TRUNCATED * sigma / h)  # nodes that the Gaussian sees and the lattice has not
-    reach = MARGIN + 1 + beyond
+    reach = MARGIN + 1 + RIM
     counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     values = _coarse_values(coarse, origin, h, counts)
-    near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.5 * coarse.spacing)
-    distances = np.full(values.size, np.inf)
+    near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.3 * coarse.spacing)
+    distances = np.abs(values.ravel())
     distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
-    signs = _signs(exact, np.minimum(distances, np.abs(values.ravel())).reshape(counts), origin, h)
+    signs = _signs(exact, distances.reshape(counts), origin, h)
+    exactly = signs.ravel()[near] * distances[near]
+    error = float(np.abs(values.ravel()[near] - exactly).max())
     share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     flat = values.ravel()
-    flat[near] = share * flat[near] + (1.0 - share) * signs.ravel()[near] * distances[near]
-    inner = (slice(beyond, -beyond),) * 3
-    start = origin + beyond * h
-    smooth = gaussian_filter(values, sigma / h, truncate=_TRUNCATED)[inner]
-    return DistanceField(lattice_of(values[inner], start, h), lattice_of(smooth, start, h), coarse)
+    flat[near] = share * flat[near] + (1.0 - share) * exactly
+    smooth = gaussian_filter(values, sigma / h, truncate=_TRUNCATED)
+    return DistanceField(lattice_of(values, origin, h), lattice_of(smooth, origin, h), coarse, error)
 
 
 def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
     size = high - low + 2.0 * AROUND
-    h = _spacing_of(size, COARSE_NODES, 4)
-    counts = tuple((np.ceil(size / h).astype(int) + 3).tolist())
+    h = _spacing_of(size, COARSE_NODES, 3)
+    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * RIM).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     distances = exact.unsigned(nodes(origin, h, counts)).reshape(counts)
     return lattice_of(_signs(exact, distances, origin, h) * distances, origin, h)
@@ -126,13 +128,21 @@ def _spacing_of(size: Array, most: int, further: int) -> float:
 def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> NDArray[np.float64]:
     """Return 1 outside and -1 inside at the nodes of a lattice, given their unsigned distances, shape (nx, ny, nz)."""
     regions, count = label(distances > 0.501 * h)
-    signs = np.ones(distances.shape)
+    signs = np.where(regions > 0, 1.0, 0.0)
     if count:
         farthest = np.array(maximum_position(distances, regions, np.arange(1, count + 1)), dtype=np.float64)
         inside = exact.inside(origin + h * farthest)
         signs[np.concatenate([[False], inside])[regions]] = -1.0
     close = np.argwhere(regions == 0)
-    signs[tuple(close[exact.inside(origin + h * close)].T)] = -1.0
+    close = close[((close > 0) & (close < np.array(signs.shape) - 1)).all(axis=1)]
+    for step in product((-1, 0, 1), repeat=3):
+        beside = tuple((close + step).T)
+        apart = 1.001 * h * math.sqrt(sum(map(abs, step)))
+        joined = (regions[beside] > 0) & (distances[beside] + distances[tuple(close.T)] > apart)
+        signs[tuple(close[joined].T)] = signs[beside][joined]
+        close = close[~joined]
+    unknown = np.argwhere(signs == 0.0)
+    signs[tuple(unknown.T)] = np.where(exact.inside(origin + h * unknown), -1.0, 1.0)
     return signs
 
 
@@ -152,13 +162,17 @@ def _coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, 
 
 
 @compiled
-def lower_bound(field: DistanceField, x: float, y: float, z: float) -> float:
-    """Return the signed distance of a point, m, or beyond the coarse lattice a lower bound of it."""
-    if covers(field.distance, x, y, z):
-        return value_at(field.distance, x, y, z)
-    if covers(field.coarse, x, y, z):
-        return value_at(field.coarse, x, y, z)
-    return AROUND + distance_beyond(field.coarse, x, y, z)
+def distance_below(field: DistanceField, x: float, y: float, z: float, most: float) -> float:
+    """Return the signed distance of a point if it is less than `most`, else a lower bound of it that is no less, m.
+
+    Of most points the coarse lattice tells that, which is small enough to stay in the processor's cache.
+    """
+    if not covers(field.coarse, x, y, z):
+        return AROUND + distance_beyond(field.coarse, x, y, z)
+    value = value_at(field.coarse, x, y, z)
+    if value - field.error >= most:
+        return value - field.error
+    return value_at(field.distance, x, y, z) if covers(field.distance, x, y, z) else value
 
 
 @compiled

@@ -17,6 +17,8 @@ from .distance_field import VERSION, DistanceField, distance_field, footprint_si
 from .exact_distance import ExactDistance
 from .lattice import Lattice
 
+LATTICES = DistanceField._fields[:3]
+
 
 def mesh_field(name: str, vertices: Array, faces: Integers) -> DistanceField:
     """Return the fields of a closed mesh, with the Gaussian that its thickness allows.
@@ -40,20 +42,18 @@ def _load(file: Path) -> DistanceField | None:
     """Return the content of a file, or None if it is not there or of no use."""
     try:
         with file.open("rb") as stream, np.load(stream) as data:
-            return DistanceField(
-                *(
-                    Lattice(data[name], data[f"{name}_origin"], float(data[f"{name}_spacing"]))
-                    for name in DistanceField._fields
-                )
+            lattices = (
+                Lattice(data[name], data[f"{name}_origin"], float(data[f"{name}_spacing"])) for name in LATTICES
             )
+            return DistanceField(*lattices, float(data["error"]))
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
         return None
 
 
 def _save(file: Path, field: DistanceField) -> None:
     """Write the whole file, or nothing where that is not possible."""
-    content = {}
-    for name, lattice in field._asdict().items():
+    content = {"error": np.array(field.error)}
+    for name, lattice in zip(LATTICES, field, strict=False):
         content |= {
             name: lattice.coefficients,
             f"{name}_origin": lattice.origin,

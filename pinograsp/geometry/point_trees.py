@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..compiled import compiled
-from .distance_field import DistanceField, lower_bound
+from .distance_field import DistanceField, distance_below
 
 LEAF = 8
 """Points of a ball that is not divided any more, at most."""
@@ -103,15 +103,17 @@ def nearest_points(
             if second < 0:
                 for k in range(first, first - 1 - second):
                     x, y, z = _moved(R, t, trees.points[k])
-                    value = lower_bound(field, x, y, z)
+                    value = distance_below(field, x, y, z, values[number])
                     if value < values[number]:
                         values[number] = value
                         nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
                 continue
             x, y, z = _moved(R, t, trees.centers[first])
-            one = lower_bound(field, x, y, z) - trees.radii[first]
+            radius = trees.radii[first]
+            one = distance_below(field, x, y, z, values[number] + radius) - radius
             x, y, z = _moved(R, t, trees.centers[second])
-            other = lower_bound(field, x, y, z) - trees.radii[second]
+            radius = trees.radii[second]
+            other = distance_below(field, x, y, z, values[number] + radius) - radius
             if one < other:  # the nearer one is taken first: it comes last
                 first, second, one, other = second, first, other, one
             waiting[count], bounds[count] = first, one

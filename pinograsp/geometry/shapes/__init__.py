@@ -49,7 +49,9 @@ class Surface(Protocol):
         """Return the outward unit normals (n, 3) that a pad feels at points (n, 3), and their derivatives (n, 3, 3)."""
         ...
 
-    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
         """Return the least signed distance of sets of points, or their cap, and the point there; of an uneven surface.
 
         Args:

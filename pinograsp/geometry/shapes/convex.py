@@ -22,7 +22,9 @@ class Exact:
         _, normals, hessians = self.signed_distance(points)
         return normals, hessians
 
-    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
         """Coal measures such shapes."""
         raise NotImplementedError
 

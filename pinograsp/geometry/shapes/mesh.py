@@ -76,7 +76,9 @@ class BodySurface:
         """Return the normals of the smoothed distance and their derivatives."""
         return field_normals(self.field, points)
 
-    def nearest_points(self, sets: PointTrees, rotations: Array, translations: Array, caps: Array) -> tuple[Array, Array]:
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
         """Return the least signed distance of sets of points, or their cap, and the point there."""
         return nearest_points(sets, self.field, rotations, translations, caps)
 

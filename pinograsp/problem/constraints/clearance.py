@@ -78,9 +78,7 @@ class Clearance(Inside):
 
 
 @compiled
-def smooth_minima(
-    above: Array, gradients: Array, links: Indices, counts: Indices, reach: float
-) -> tuple[Array, Array]:
+def smooth_minima(above: Array, gradients: Array, links: Indices, counts: Indices, reach: float) -> tuple[Array, Array]:
     """Return the smooth minimum of every link and its gradient, shapes (links,), (links, v).
 
     Args:
