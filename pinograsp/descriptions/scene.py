@@ -13,15 +13,17 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from ..arrays import Array
 from ..disk import digest
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
+from .mesh_files import CONTENT, content_hashes
 from .model import FileRoot, Frozen
 from .pose import Pose
 from .problems import INTERNAL, refuse_internal
+from .regions import Region, on_object
 from .scene_html import scene_html
 from .shapes import Shape
 from .task import Task, Wrench
@@ -101,7 +103,7 @@ class Scene(FileRoot):
     source: Path | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
-    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
+    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python; and of mesh files."""
     name: FileName
     """Of the scene; part of the names of its files of results."""
     description: str = ""
@@ -129,16 +131,23 @@ class Scene(FileRoot):
                 self.wrench_of(task)
             except InputError as error:
                 raise wrong(error.problem, "tasks", name, remedy=error.remedy) from None
+            try:
+                self.region_of(task)
+            except InputError as error:
+                key = "forbidden_contacts" if task.allowed_contacts is None else "allowed_contacts"
+                raise wrong(error.problem, "tasks", name, key, remedy=error.remedy) from None
         for name in self.obstacles:
             if name in self.objects:
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
         return self
 
     @model_validator(mode="after")
-    def _digested(self) -> Self:
+    def _digested(self, info: ValidationInfo) -> Self:
         if self.source is None or not self.digest:
-            content = json.dumps(self.to_dict(), sort_keys=True)
+            content = json.dumps(self._to_dict(CONTENT), sort_keys=True)
             self.__dict__["digest"] = digest(content.encode())
+        elif info.context and (meshes := content_hashes(self)):  # where a file is read, not a result
+            self.__dict__["digest"] = digest(json.dumps([self.digest, meshes]).encode())
         return self
 
     def _repr_html_(self) -> str:
@@ -166,9 +175,12 @@ class Scene(FileRoot):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the content as a YAML file has it: lists, texts, numbers and dicts of these; `from_dict` reads it."""
+        return self._to_dict()
+
+    def _to_dict(self, context: Any = None) -> dict[str, Any]:
         # Without the gravity of scenes that say nothing about it, whose digests are older than this key.
         standard = {"gravity"} if self.gravity == DOWN else set()
-        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True)
+        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
 
     def task(self, name: str) -> Task:
         """Return a task by name.
@@ -311,6 +323,16 @@ class Scene(FileRoot):
             remedy = f"Correct `{key}` (kg) or `gravity` (m/s^2)"
             raise TaskError(problem, file=self.source, key=key, remedy=remedy)
         return Wrench(force=(x, y, z))
+
+    def region_of(self, task: Task) -> Region | None:
+        """Return the part of the object's surface that contacts must be on; None: all of it.
+
+        Raises:
+            UnknownNameError: the object is none of the scene.
+            InputError: a painted region names no file, and the object is no mesh.
+        """
+        shape = self._named("object", task.object, self.objects).shape
+        return None if task.contact_region is None else on_object(task.contact_region, shape)
 
     def mass_of(self, task: Task) -> float | None:
         """Return the mass of the object of a task, kg: its own, else what the task's force weighs in this gravity.

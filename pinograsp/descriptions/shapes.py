@@ -7,11 +7,13 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
+from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .pose import ZERO, Pose
 from .values import NotNegative, Positive, listed, wrong
@@ -133,7 +135,26 @@ class Ellipsoid(ShapeDescription):
         return 4.0 / 3.0 * math.pi * math.prod(self.semi_axes)
 
 
-SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
+class Mesh(ShapeDescription, MeshFile):
+    """The body that the triangles of a file enclose, in the frame of the file."""
+
+    type: Literal["mesh"] = "mesh"
+    file: MeshAddress
+    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
+
+    @cached_property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the body filled evenly, m; the file is read when it is first asked.
+
+        Raises:
+            FileError: the file cannot be read, or is not that which was described.
+        """
+        from .mesh_centroid import centroid_of  # which needs more time to import than all of the descriptions
+
+        return centroid_of(self)
+
+
+SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)
 """Every shape that a scene file may have."""
 
 Shape = Annotated[ShapeDescription, SHAPES]

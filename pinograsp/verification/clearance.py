@@ -106,10 +106,7 @@ def shape_figure(name: str, around: Surroundings, placed: Placed, limit: float) 
     cap = max(CAP, 2 * limit)
     pairs, bounds = around.near(placed, cap)
     least, nearest = _least(
-        bounds,
-        cap,
-        lambda i: _part_bound(*pairs[i], placed),
-        lambda i, most: part_distance(*pairs[i], placed, most),
+        bounds, cap, lambda i: _part_bound(*pairs[i], placed), lambda i, most: part_distance(*pairs[i], placed, most)
     )
     where = "" if nearest is None else f"{pairs[nearest][0].link} / {pairs[nearest][1].name}"
     return Figure(name, least, limit, "m", "at least", where)
@@ -161,7 +158,9 @@ def part_distance(mesh: LinkMesh, part: PlacedPart, placed: Placed, most: float)
     placement = placed.placements[mesh.link]
     if most > 0.0 and _part_bound(mesh, part, placed) >= most:
         return most
-    if mesh.surrounds(placed.to_link(mesh.link, part.center[None])):
+    if mesh.surrounds(placed.to_link(mesh.link, part.members)):
+        return -math.inf
+    if part.surrounds(placed.to_world(mesh.link, mesh.members)):
         return -math.inf
     for core in part.cores:
         # The bound stays above zero, which would read as an intersection.
@@ -194,9 +193,8 @@ def _one_in_other(inner: LinkMesh, outer: LinkMesh, placed: Placed) -> bool:
 
 
 def _part_bound(mesh: LinkMesh, part: PlacedPart, placed: Placed) -> float:
-    """Return a lower bound of the distance of a mesh to a part, m: that of its hull, -inf where it has none."""
-    core = part.cores[0]
-    return _hull_bound(mesh.hull_solid, placed.placements[mesh.link], core.solid, part.placement) - core.inset
+    """Return a lower bound of the distance of a mesh to a part, m: that of the hulls, -inf where one has none."""
+    return _hull_bound(mesh.hull_solid, placed.placements[mesh.link], part.hull.solid, part.placement) - part.hull.inset
 
 
 def _mesh_bound(first: LinkMesh, second: LinkMesh, placed: Placed) -> float:

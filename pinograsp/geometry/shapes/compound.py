@@ -22,6 +22,7 @@ from ...descriptions.shapes import Compound, Shape
 from ..contact_faces import ContactFace, Ruling, placed
 from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation
+from .convex import Exact
 
 if TYPE_CHECKING:
     from . import Surface
@@ -59,7 +60,7 @@ class _Part:
         return placed(self.surface.contact_face(self.local(point)), self.placement[:3, :3], self.placement[:3, 3])
 
 
-class CompoundSurface:
+class CompoundSurface(Exact):
     """Geometry of a compound.
 
     Args:
