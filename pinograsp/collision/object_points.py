@@ -9,7 +9,9 @@ the points, p, lies on that at most spacing / sqrt(3) from q. So |p - o|^2 = |p 
 
 links are kept off the object, and whatever sticks out of the object is kept out of the links.
 
-With the signed distance d of the object and its gradient g at the nearest point p of a solid, dd/dq = g . velocity of p.
+With the signed distance d of the object and its gradient g at the nearest point p of a solid,
+
+    dd/dq = g . (velocity of p)
 """
 
 from __future__ import annotations
@@ -116,8 +118,8 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
 def pad_points(robot: Robot) -> ObjectPoints:
     """Return the points of pads and of what is behind them.
 
-    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields; what
-    backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
+    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
+    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
     is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]

@@ -48,7 +48,7 @@ class Hull:
         self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
     def outside(self, points: Array) -> Array:
-        """Return how far points, shape (n, 3), are outside the facet that they are farthest outside of, m, shape (n,)."""
+        """Return how far points, shape (n, 3), are beyond the facet that they are farthest beyond, m, shape (n,)."""
         return np.asarray((points @ self.normals.T + self._offsets).max(axis=1))
 
     def holds(self, points: Array) -> Mask:
