@@ -16,7 +16,7 @@ from ..arrays import Array, Indices
 from ..compiled import compiled
 from .distance_field import DistanceField, distance_below
 
-LEAF = 8
+LEAF = 16
 """Points of a ball that is not divided any more, at most."""
 _DEPTH = 64
 
