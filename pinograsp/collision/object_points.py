@@ -9,7 +9,9 @@ the points, p, lies on that at most spacing / sqrt(3) from q. So |p - o|^2 = |p 
 
 links are kept off the object, and whatever sticks out of the object is kept out of the links.
 
-With the signed distance d of the object and its gradient g at the nearest point p of a solid, dd/dq = g . velocity of p.
+With the signed distance d of the object and its gradient g at the nearest point p of a solid,
+
+    dd/dq = g . (velocity of p)
 """
 
 from __future__ import annotations
@@ -37,14 +39,14 @@ from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies
 from .world import Solid
 
-SPACING, COARSE = 0.0015, 0.004
+SPACING, COARSE = 0.0015, 0.006
 """Longest edge between points of links that the hand moves or that carry it, and of the other links, m."""
 BACKING = 0.002
 """Longest edge between points of what is behind a pad, m."""
 RUBBER, BACKED = 2.0, 0.0002
 """Thickness of rubber, in parts of the depth by which it yields, and what its backing keeps from the object, m."""
-ROUNDED = 0.0005
-"""Vertices of a solid that are nearer to each other than about this count as one, m."""
+ROUNDED = 1.0 / 3.0
+"""Vertices of a solid that are nearer to each other than about this count as one, in parts of the points' spacing."""
 HIDDEN = 1e-5
 """How deep in another solid of its link a point must be to be left out, m."""
 PAD_SPACING = 0.002
@@ -116,8 +118,8 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
 def pad_points(robot: Robot) -> ObjectPoints:
     """Return the points of pads and of what is behind them.
 
-    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields; what
-    backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
+    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
+    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
     is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
@@ -186,12 +188,19 @@ def _on_solid(robot: Robot, link: str, number: int, spacing: float) -> tuple[Arr
     """
     [body] = [body for body in link_bodies(robot) if body.name == link]
     points, within = _on(body.solids[number], spacing)
-    for other in (other for i, other in enumerate(body.solids) if i != number):
-        if isinstance(other.shape, coal.ConvexBase) and len(points):
-            R, origin = other.placement[:3, :3], other.placement[:3, 3]
-            hull = Hull(np.array(other.shape.points()))
-            points = points[hull.outside((points - origin) @ R) > -HIDDEN]
+    for i, (solid, hull) in enumerate(zip(body.solids, _hulls(robot, link), strict=True)):
+        if i != number and hull is not None:
+            R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
+            points = points[~hull.holds((points - origin) @ R, HIDDEN)]
     return points, within
+
+
+@remembered
+def _hulls(robot: Robot, link: str) -> list[Hull | None]:
+    """Return the hulls of the solids of a link, in their frames; None of those that are round."""
+    [body] = [body for body in link_bodies(robot) if body.name == link]
+    shapes = [solid.shape for solid in body.solids]
+    return [Hull(np.array(shape.points())) if isinstance(shape, coal.ConvexBase) else None for shape in shapes]
 
 
 def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
@@ -201,19 +210,19 @@ def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
     elif isinstance(shape, coal.Cylinder):
         corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength))
     else:
-        corners, within = _simplified(np.array(shape.points()))
+        corners, within = _simplified(np.array(shape.points()), ROUNDED * spacing)
     triangles = np.arange(3 * len(corners)).reshape(-1, 3)
     points = refined(Tessellation(corners.reshape(-1, 3), triangles), spacing).vertices
     return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
 
 
-def _simplified(vertices: Array) -> tuple[Array, float]:
+def _simplified(vertices: Array, cell: float) -> tuple[Array, float]:
     """Return the facets of a hull of fewer of its vertices, shape (n, 3, 3), and how far others stand out of it, m.
 
-    Of vertices in one cell of `ROUNDED` one is left: the narrow facets between them would have more points than all
+    Of vertices in one cubic cell of an edge, m, one is left: the narrow facets between them would have more points than all
     others.
     """
-    _, kept = np.unique(np.floor(vertices / ROUNDED), axis=0, return_index=True)
+    _, kept = np.unique(np.floor(vertices / cell), axis=0, return_index=True)
     try:
         hull = Hull(vertices[kept])
     except FlatError:

@@ -6,6 +6,7 @@ import contextlib
 import io
 import zlib
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,7 +18,7 @@ from .distance_field import VERSION, DistanceField, distance_field, footprint_si
 from .exact_distance import ExactDistance
 from .lattice import Lattice
 
-LATTICES = DistanceField._fields[:3]
+LATTICES = ("distance", "smoothed", "coarse")
 
 
 def mesh_field(name: str, vertices: Array, faces: Integers) -> DistanceField:
@@ -42,22 +43,22 @@ def _load(file: Path) -> DistanceField | None:
     """Return the content of a file, or None if it is not there or of no use."""
     try:
         with file.open("rb") as stream, np.load(stream) as data:
-            lattices = (
+            distance, smoothed, coarse = (
                 Lattice(data[name], data[f"{name}_origin"], float(data[f"{name}_spacing"])) for name in LATTICES
             )
-            return DistanceField(*lattices, float(data["error"]))
+            return DistanceField(distance, smoothed, coarse, float(data["error"]))
     except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
         return None
 
 
 def _save(file: Path, field: DistanceField) -> None:
     """Write the whole file, or nothing where that is not possible."""
-    content = {"error": np.array(field.error)}
-    for name, lattice in zip(LATTICES, field, strict=False):
+    content: dict[str, Any] = {"error": field.error}
+    for name, lattice in zip(LATTICES, (field.distance, field.smoothed, field.coarse), strict=True):
         content |= {
             name: lattice.coefficients,
             f"{name}_origin": lattice.origin,
-            f"{name}_spacing": np.array(lattice.spacing),
+            f"{name}_spacing": lattice.spacing,
         }
     stream = io.BytesIO()
     np.savez(stream, **content)

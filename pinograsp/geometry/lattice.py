@@ -60,7 +60,7 @@ def covers(lattice: Lattice, x: float, y: float, z: float) -> bool:
     """Return whether a point is at least one spacing within the outermost nodes."""
     origin, once, counts = lattice.origin, 1.0 / lattice.spacing, lattice.coefficients.shape
     u, v, w = (x - origin[0]) * once, (y - origin[1]) * once, (z - origin[2]) * once
-    return 1.0 <= u <= counts[0] - 2 and 1.0 <= v <= counts[1] - 2 and 1.0 <= w <= counts[2] - 2
+    return bool(1.0 <= u <= counts[0] - 2 and 1.0 <= v <= counts[1] - 2 and 1.0 <= w <= counts[2] - 2)
 
 
 @compiled
@@ -77,7 +77,7 @@ def distance_beyond(lattice: Lattice, x: float, y: float, z: float) -> float:
 
 @compiled
 def _cell(lattice: Lattice, axis: int, place: float) -> tuple[int, float]:
-    """Return the first of the four nodes along an axis that count at a place, and where between the middle two it is."""
+    """Return the first of the four nodes along an axis that count at a place, and its share of the middle step."""
     u = (place - lattice.origin[axis]) / lattice.spacing
     first = min(max(int(u) - 1, 0), lattice.coefficients.shape[axis] - 4)
     return first, u - first - 1.0

@@ -1,4 +1,4 @@
-"""Points that are fixed to bodies, in trees of balls: which of them is nearest to a surface is found without all others.
+"""Points that are fixed to bodies, in trees of balls: the one nearest to a surface is found without most others.
 
 A ball around some points holds them; the signed distance d of its centre less its radius is no more than that of any
 of them, since d grows by no more than the way. The children of a ball are looked at nearest first, and left out if they
@@ -16,7 +16,7 @@ from ..arrays import Array, Indices
 from ..compiled import compiled
 from .distance_field import DistanceField, distance_below
 
-LEAF = 8
+LEAF = 16
 """Points of a ball that is not divided any more, at most."""
 _DEPTH = 64
 
@@ -33,14 +33,13 @@ class PointTrees(NamedTuple):
     radii: Array
     """m, shape (balls,)."""
     parts: Indices
-    """Two children of a ball, or, if it is not divided, its first point and -1 less the number of its points; (balls, 2)."""
+    """Two children of a ball; if it is not divided, its first point and -1 less their number; shape (balls, 2)."""
     points: Array
     """m, shape (points, 3)."""
 
 
 def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
     """Return trees of sets of points, each of shape (n, 3), n > 0, which are fixed to bodies."""
-    roots: list[int] = []
     centers: list[Array] = []
     radii: list[float] = []
     parts: list[tuple[int, int]] = []
@@ -64,8 +63,7 @@ def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
         parts[number] = ball(points[order[:half]]), ball(points[order[half:]])
         return number
 
-    for points in sets:
-        roots.append(ball(points))
+    roots = [ball(points) for points in sets]
     return PointTrees(
         np.array(bodies, dtype=np.intp),
         np.array(roots, dtype=np.intp),
@@ -80,14 +78,14 @@ def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
 def nearest_points(
     trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, caps: Array
 ) -> tuple[Array, Array]:
-    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and the point there, (sets, 3).
+    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
 
     Args:
         trees: the sets.
         field: of the surface.
         rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
         translations: of these, m, shape (bodies, 3).
-        caps: distances of each set from which on they do not matter, m, shape (sets,).
+        caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
     """
     values, nearest = caps.copy(), np.zeros((len(caps), 3))
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)

@@ -36,7 +36,7 @@ class Surface(Protocol):
     edged: bool
     """Whether some of its contact faces have edges."""
     uneven: bool
-    """Whether pads lie on the mean of what is below them, tilted and pressed in a little, and not on a tangent plane."""
+    """Whether pads lie on the mean of what is below them, tilted and pressed in a little, instead of tangent to it."""
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance (n,), gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3); negative inside.
