@@ -16,8 +16,8 @@ from ..arrays import Array, Indices, Integers
 from ..errors import FileError
 from .obj_file import NONE, parse_obj
 
-MOST_BYTES = 300_000_000
-"""Largest file that is read."""
+MOST_BYTES = 200_000_000
+"""Largest file that is read; text takes eight times its size in memory while it is read."""
 MOST_TRIANGLES = 1_000_000
 """Most triangles of a file, of copies of its parts too."""
 

@@ -8,8 +8,8 @@ m the membership of the region:
     value              max(m(q), d(p) - depth of the rubber, FACING (n(p) . z + 1/2)),  n the normal of the object
 
 A point is fine if what is below it is in the region, is not touched, or does not face the pad, as beyond an edge that
-the pad stands over. A row is the least value over a cell of a
-pad's face, or that of the contact point of a pad that is not flat.
+the pad stands over. A row is the least value over a cell of a pad's face, or that of the contact point of a pad that is
+not flat.
 """
 
 from __future__ import annotations
