@@ -72,7 +72,6 @@ class Verifier:
         _require_ranges_known(scene, task_name, self._kinematics, read.synergies)
         self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
-        self._center_of_mass = body.center_of_mass_world
         self._wrench, self._mass = scene.wrench_of(self._task).vector, scene.mass_of(self._task)
         if self._task.withstand is not None and self._mass is None:
             key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
@@ -80,6 +79,8 @@ class Verifier:
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
+        computed = self._target.centroid if body.center_of_mass is None else None
+        self._center_of_mass = body.center_of_mass_world if computed is None else computed
         self._radius = self._target.radius_about(self._center_of_mass)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
         of_pads = {pad.link for pad in self._pads}

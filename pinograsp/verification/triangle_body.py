@@ -38,8 +38,8 @@ FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
 BESIDE = 1e-6
 """How far beside a triangle it is asked whether there is an outside, m."""
-NEAR = 0.9
-"""Share of the way from the middle of a triangle to a corner at which it is asked too."""
+PLACES = 6
+"""Along an edge, at which it is asked where a triangle has none at its middle."""
 
 
 def _quadrature() -> tuple[Array, Array]:
@@ -50,7 +50,15 @@ def _quadrature() -> tuple[Array, Array]:
     return nodes, weights[:, None] * nodes
 
 
+def _places() -> Array:
+    """Return shares of the corners of a triangle, its middle first, shape (n, 3)."""
+    grid = [(i, j, PLACES - 1 - i - j) for i in range(PLACES) for j in range(PLACES - i)]
+    shares = (np.array(grid) + 0.1) / (PLACES - 1 + 0.3)
+    return np.vstack([np.full(3, 1.0 / 3.0), shares])
+
+
 _NODES, _WEIGHTED = _quadrature()
+_PLACES = _places()
 
 
 class TriangleBody:
@@ -70,18 +78,23 @@ class TriangleBody:
         self._winding.init(self.vertices, self._around)
         self.faces = np.ascontiguousarray(self._around[self._bounding()])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
-        self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.faces)
+        self._skin = _aabb(self.vertices, self.faces)
+        self._all = self._skin if len(self.faces) == len(self._around) else _aabb(self.vertices, self._around)
 
     def contains(self, points: Array) -> Mask:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
         return np.asarray(self._winding.winding_number(np.ascontiguousarray(points)) > 0.5)
 
     def distances(self, points: Array) -> Array:
-        """Signed distances of points, shape (n, 3), to the nearest triangles, negative inside, shape (n,)."""
-        points = np.ascontiguousarray(points, dtype=np.float64)
-        apart = np.sqrt(self._tree.squared_distance(self.vertices, self.faces, points)[0])
-        return np.asarray(np.where(self.contains(points), -apart, apart))
+        """Signed distances of points, shape (n, 3), negative inside, shape (n,).
+
+        From outside all triangles count; from inside, those that bound the body.
+        """
+        inside = self.contains(points)
+        found = np.empty(len(points))
+        found[~inside] = np.sqrt(self._all.squared_distance(self.vertices, self._around, points[~inside])[0])
+        found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
+        return found
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""
@@ -90,17 +103,23 @@ class TriangleBody:
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
     def _bounding(self) -> Mask:
-        """Return which triangles have an outside next to them: at their middle, or near a corner."""
+        """Return which triangles have an outside next to them, on one of their sides at one of many places."""
         corners = self.vertices[self._around]
-        middles = corners.mean(axis=1)
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         step = BESIDE * across / np.linalg.norm(across, axis=1)[:, None]
         bounding = np.zeros(len(corners), dtype=bool)
-        for share in (middles, *(middles + NEAR * (corners[:, i] - middles) for i in range(3))):
-            for beside in (step, -step):
+        for shares in _PLACES:
+            for side in (1.0, -1.0):
                 rest = np.flatnonzero(~bounding)
-                bounding[rest] = ~self.contains((share + beside)[rest])
+                bounding[rest] = ~self.contains(shares @ corners[rest] + side * step[rest])
         return bounding
+
+    @cached_property
+    def centroid(self) -> Array:
+        """Centre of mass of the body filled evenly, shape (3,): of tetrahedra from the middle, with signed volumes."""
+        a, b, c = (self.vertices - self.middle)[self._around].transpose(1, 0, 2)
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+        return np.asarray(self.middle + 0.25 * volumes @ (a + b + c) / volumes.sum())
 
     @cached_property
     def sigma(self) -> float:
@@ -118,7 +137,7 @@ class TriangleBody:
     @cached_property
     def solid(self) -> Any:
         """Coal's tree of the triangles."""
-        return triangle_tree(self.vertices, self.faces)
+        return triangle_tree(self.vertices, self._around)
 
     @cached_property
     def hull(self) -> Any | None:
@@ -152,6 +171,12 @@ class TriangleBody:
             triangles, kept = _cut(triangles, normal, float(offset))
             numbers = numbers[kept]
         return triangles, numbers
+
+
+def _aabb(vertices: Array, faces: Integers) -> Any:
+    tree = igl.AABB()
+    tree.init(vertices, faces)
+    return tree
 
 
 def _cut(triangles: Array, normal: Array, offset: float) -> tuple[Array, Indices]:

@@ -93,6 +93,9 @@ class PlacedShape:
         T = body.pose.matrix
         self._rotation, self.center = T[:3, :3], T[:3, 3]
         self.limits = self._geometry.limits
+        found = self._geometry.centroid
+        self.centroid = None if found is None else self._rotation @ found + self.center
+        """Centre of mass of the shape filled evenly, world, m, shape (3,); None where the description has it."""
         whole = ((self._geometry, np.eye(4)),)
         parts = self._geometry.parts if isinstance(self._geometry, CompoundGeometry) else whole
         self.parts = tuple(PlacedPart(name, geometry, T @ pose) for geometry, pose in parts)

@@ -56,6 +56,8 @@ class Geometry(Protocol):
     middle: Array
     """Centre of a ball that holds the shape, shape (3,)."""
     limits: Limits
+    centroid: Array | None
+    """Centre of mass of the shape filled evenly, shape (3,); None where the description has it by a formula."""
 
     @property
     def hull(self) -> Core:
@@ -110,6 +112,7 @@ class ConvexGeometry:
     vertices: Array = np.zeros((1, 3))
     middle: Array = np.zeros(3)
     limits: Limits = FORMULA
+    centroid: Array | None = None
 
     @property
     def hull(self) -> Core:
