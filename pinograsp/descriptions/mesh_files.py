@@ -98,7 +98,7 @@ class MeshFile(Frozen):
 
     @property
     def scales(self) -> tuple[float, float, float]:
-        """Factors on the coordinates in the file along x, y, z, besides the unit."""
+        """Factor on the coordinates in the file along each of x, y, z, besides the unit."""
         return self.scale if isinstance(self.scale, tuple) else (self.scale, self.scale, self.scale)
 
     def content(self) -> bytes:

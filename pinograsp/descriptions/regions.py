@@ -100,7 +100,7 @@ Channel = Annotated[int, Field(ge=0, le=255, strict=True)]
 
 
 class Painted(MeshFile):
-    """What is painted on a surface in a mesh file: triangles of a colour, a material and a group, as far as given.
+    """The part of a surface that is painted in a mesh file: triangles of a colour, a material and a group, where given.
 
     A triangle has a colour if two of its corners have it at least.
     """
@@ -133,7 +133,7 @@ class Painted(MeshFile):
 
     @property
     def words(self) -> str:
-        """What is painted, in words."""
+        """Colour, material and group, in words."""
         color = None if self.color is None else "#" + bytes(self.color).hex()
         given = {"color": color, "material": self.material, "group": self.group}
         return " and ".join(f"{name} {value!r}" for name, value in given.items() if value is not None)

@@ -16,8 +16,8 @@ from ..arrays import Array, Indices, Integers
 from ..errors import FileError
 from .obj_file import NONE, parse_obj
 
-MOST_BYTES = 300_000_000
-"""Largest file that is read."""
+MOST_BYTES = 200_000_000
+"""Largest file that is read; text takes eight times its size in memory while it is read."""
 MOST_TRIANGLES = 1_000_000
 """Most triangles of a file, of copies of its parts too."""
 
@@ -97,10 +97,10 @@ def _required(found: MeshContent, file: Path) -> MeshContent:
         raise FileError("has no triangles", file=file, remedy="Is it of the kind that its suffix says?")
     _require_few(len(found.faces), file)
     corners = found.vertices[found.faces]  # every index was looked at
-    if not (finite := np.isfinite(corners).all(axis=(1, 2))).all():
-        bad = np.flatnonzero(~finite)
+    bad = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
+    if len(bad):
         problem = (
-            f"{len(bad)} of {len(finite)} triangles have corners that are not finite, the first is number {bad[0]}"
+            f"{len(bad)} of {len(corners)} triangles have corners that are not finite, the first is number {bad[0]}"
         )
         raise FileError(problem, file=file, remedy="Export it again, or remove them")
     return found

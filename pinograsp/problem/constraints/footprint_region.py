@@ -8,15 +8,14 @@ m the membership of the region:
     value              max(m(q), d(p) - depth of the rubber, FACING (n(p) . z + 1/2)),  n the normal of the object
 
 A point is fine if what is below it is in the region, is not touched, or does not face the pad, as beyond an edge that
-the pad stands over. A row is the least value over a cell of a
-pad's face, or that of the contact point of a pad that is not flat.
+the pad stands over. A row is the least value over a cell of a pad's face, or that of the contact point of a pad that is
+not flat.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 
 import numpy as np
 
@@ -104,9 +103,10 @@ def _cells(patch: Patch) -> Array:
     """Return points of the face of a flat pad in its frame, shape (cells, n, 3), m; none of another pad."""
     if not isinstance(patch, PlanePatch | LinePatch):
         return np.zeros((0, 0, 3))
-    borders = [np.linspace(low, high, CELLS + 1) for low, high in rectangle(patch)]
-    lines = [
-        [np.linspace(a, b, 1 + max(1, math.ceil((b - a) / SPACING))) for a, b in pairwise(along)] for along in borders
-    ]
+    lines = []
+    for low, high in rectangle(patch):
+        count = max(1, math.ceil((high - low) / (CELLS * SPACING)))
+        every = np.linspace(low, high, CELLS * count + 1)
+        lines.append([every[k * count : (k + 1) * count + 1] for k in range(CELLS)])
     grids = [np.stack(np.meshgrid(x, y, [0.0]), axis=-1).reshape(-1, 3) for x in lines[0] for y in lines[1]]
     return np.array(grids)
