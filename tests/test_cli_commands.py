@@ -5,7 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 import re
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,6 +17,8 @@ from conftest import Run
 
 import pinograsp
 from pinograsp import Result, Robot, Scene
+from pinograsp.cli import folders
+from pinograsp.cli.interrupts import held_interrupts
 
 NAMES = "glovebox_sphere_gen3_2f85"
 HAND = "robotiq_85_left_knuckle_joint"
@@ -109,6 +115,48 @@ def test_rank_of_nothing(run: Run, result: Result, tmp_path: Path) -> None:
     pinograsp.write_json(replace(result, grasps=()), tmp_path / "none.json")
     code, output, _ = run("rank", "none.json")
     assert (code, output) == (1, "The result has no grasp.\n")
+
+
+# ---- Ctrl-C
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"),
+    [
+        (("plan", "glovebox", "--task", "sphere", "--starts", 4, "--workers", 1), ("json", "html")),
+        (("assess", "{file}", "--samples", 2, "--workers", 1, "--out", "out"), ("assessment.json",)),
+        (("hold", "{file}", "--grasp", 1, "--workers", 1, "--out", "out"), ("hold.json",)),
+        (("check", "glovebox", "--task", "sphere", "--joints", "{joints}", "--out", "out"), ("json", "html")),
+        (("robot", "check", "gen3_2f85"), ("check.html",)),
+        (("database", "coverage", "{database}", "--png", "--html"), ("coverage.png", "coverage.html")),
+    ],
+    ids=lambda part: part[0],
+)
+def test_ctrl_c_after_the_work_comes_after_the_files(
+    run: Run,
+    file: Path,
+    result: Result,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: tuple[object, ...],
+    ending: tuple[str, ...],
+) -> None:
+    joints = tmp_path / "joints.json"
+    joints.write_text(json.dumps(dict(result.grasps[0].joints)))
+    places = {"file": file, "joints": joints, "database": result.provenance["database"]["file"]}
+
+    @contextmanager
+    def pressed() -> Iterator[None]:
+        with held_interrupts():
+            os.kill(os.getpid(), signal.SIGINT)
+            yield
+
+    monkeypatch.setattr(folders, "held_interrupts", pressed)
+    code, output, errors = run(*(str(word).format(**places) for word in command))
+    assert (code, output, errors) == (130, "", "error: interrupted\n")
+    written = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert len(written) == len(ending)
+    assert all(any(name.endswith(end) for name in written) for end in ending)
 
 
 # ---- show

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -14,11 +15,12 @@ from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
 from .arguments import INTERRUPTED, as_options, command, given, group, help_alone
-from .folders import file_name, make_folder, save
+from .folders import file_name, make_folder, save, saved
 from .inputs import read_robot
 from .terminal import Terminal, fail
 
 if TYPE_CHECKING:
+    from ..database.coverage import Coverage
     from ..database.query import Configurations
 
 NOTHING_FOUND = 1
@@ -172,7 +174,8 @@ def coverage(
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         progress(Progress("counting voxels", 0))
         found = pinograsp.Coverage.of(opened, **given(voxel=voxel))
-    title = f"{found.rows:,} configurations in {file.name}"
+        title = f"{found.rows:,} configurations in {file.name}"
+        written = saved(_pictures(found, title, file.stem, out, png, html))
     from ..frozen import json_data  # with NumPy, which help does not need
 
     shown = ("rows", "voxel", "origin", "voxels", "reached", "mean_directions")
@@ -183,13 +186,18 @@ def coverage(
         "(a larger database may find more)"
     )
     terminal.find(lambda: document, lambda: terminal.say(line))
-    stem = file.stem
+    for said in written:
+        terminal.say(said)
+
+
+def _pictures(found: Coverage, title: str, stem: str, folder: Path, png: bool, html: bool) -> Iterator[str]:
+    """Write the files that are asked for, and yield what to say of each."""
     if png:
-        picture = out / file_name(stem, "coverage", suffix="png")
-        terminal.say(save(picture, lambda: pinograsp.visualization.coverage_png(found, picture, title)))
+        picture = folder / file_name(stem, "coverage", suffix="png")
+        yield save(picture, lambda: pinograsp.visualization.coverage_png(found, picture, title))
     if html:
-        page = out / file_name(stem, "coverage", suffix="html")
-        terminal.say(save(page, lambda: pinograsp.visualization.coverage_html(found, page, title)))
+        page = folder / file_name(stem, "coverage", suffix="html")
+        yield save(page, lambda: pinograsp.visualization.coverage_html(found, page, title))
 
 
 def export(
@@ -206,9 +214,9 @@ def export(
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         rows = opened.rows()
         progress(Progress("writing configurations", 0, rows))
-        saved = save(parquet, lambda: opened.export_parquet(parquet))
+        written = save(parquet, lambda: opened.export_parquet(parquet))
     terminal.find(lambda: {"file": str(parquet), "rows": rows}, lambda: terminal.say(f"{rows:,} configurations"))
-    terminal.say(saved)
+    terminal.say(written)
 
 
 def _say(facts: dict[str, Any], terminal: Terminal, before: str = "") -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +16,7 @@ from ..hold.options import HoldOptions
 from ..tables import Table
 from . import arguments
 from .arguments import INTERRUPTED, as_options, command
-from .folders import file_name, make_folder, save, save_json
+from .folders import file_name, make_folder, save, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
@@ -75,20 +75,16 @@ def hold(
     if out is not None:
         make_folder(out)
     with terminal.progress() as progress:
-        outcomes = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
-    outcomes = tuple(dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in outcomes)
-    names = (result.scene, result.task, result.robot)
-    content = {
-        **dict(zip(("scene", "task", "robot"), names, strict=True)),
-        "outcomes": [outcome.to_json() for outcome in outcomes],
-    }
-    saved = [] if out is None else [save_json(out / file_name(*names, "hold", suffix="json"), content)]
-    terminal.find(lambda: content, lambda: _report(outcomes, options, terminal))
-    for line in saved:
+        tested = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
+        outcomes = [dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in tested]
+        written = saved(_files(result, outcomes, out))
+    terminal.find(lambda: _document(result, outcomes), lambda: _report(outcomes, options, terminal))
+    for line in written:
         terminal.say(line)
     if len(outcomes) < len(grasps):
         raise typer.Exit(INTERRUPTED)
     if out is not None:
+        names = (result.scene, result.task, result.robot)
         model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
         if mjcf:
             terminal.say(save(model, lambda: pinograsp.write_mjcf(grasps[0], model, options)))
@@ -109,6 +105,18 @@ def _chosen(
     if not result.grasps:
         raise pinograsp.InputError("holds no grasp", file=file)
     return result.grasps[: best or BEST], 1
+
+
+def _files(result: pinograsp.Result, outcomes: Sequence[pinograsp.HoldOutcome], folder: Path | None) -> Iterator[str]:
+    """Write the file of the outcomes if there is a folder for it, and yield what to say of it."""
+    if folder is not None:
+        file = folder / file_name(result.scene, result.task, result.robot, "hold", suffix="json")
+        yield save_json(file, _document(result, outcomes))
+
+
+def _document(result: pinograsp.Result, outcomes: Sequence[pinograsp.HoldOutcome]) -> dict[str, object]:
+    names = {"scene": result.scene, "task": result.task, "robot": result.robot}
+    return {**names, "outcomes": [outcome.to_json() for outcome in outcomes]}
 
 
 def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions, terminal: Terminal) -> None:

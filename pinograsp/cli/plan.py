@@ -13,9 +13,8 @@ import pinograsp
 from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
 from .arguments import INTERRUPTED, as_options, command, given
-from .folders import file_name, make_folder, remove, save
+from .folders import file_name, make_folder, remove, save, saved
 from .inputs import read_robot, read_scene
-from .interrupts import held_interrupts
 from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
 
@@ -91,10 +90,9 @@ def plan(
             database=database,
             progress=progress,
         )
-    with held_interrupts():
-        saved = list(_saved(result, out, rank_by, html))  # first of all: then a terminal that is gone loses nothing
+        written = saved(_files(result, out, rank_by, html))
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
-    for line in saved:
+    for line in written:
         terminal.say(line)
     if result.interrupted:
         raise typer.Exit(INTERRUPTED)
@@ -102,7 +100,7 @@ def plan(
         raise typer.Exit(NOTHING_FOUND)
 
 
-def _saved(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> Iterator[str]:
+def _files(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> Iterator[str]:
     """Write the files, and yield what to say of each."""
     from ..results.table import outcome_lines
 

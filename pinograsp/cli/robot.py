@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,7 @@ import pinograsp
 from ..disk import is_file, write_whole
 from . import arguments
 from .arguments import as_options, command, group, help_alone
-from .folders import file_name, make_folder, save
+from .folders import file_name, make_folder, save, saved
 from .terminal import Terminal
 
 if TYPE_CHECKING:
@@ -68,12 +69,12 @@ def check(
     make_folder(out)
     with terminal.progress() as progress:
         report = pinograsp.check_robot(robot, progress)
-    page = out / file_name(report.name, "check", suffix="html")
-    saved = [save(page, lambda: _write_page(report, page))] if report.robot is not None else []
+        page = out / file_name(report.name, "check", suffix="html")
+        written = saved(_files(report, page))
     terminal.find(report.to_json, lambda: _report(report, terminal))
-    for line in saved:
+    for line in written:
         terminal.say(line)
-    if saved and open_page:
+    if written and open_page:
         typer.launch(str(page))
     if report.wrong:
         raise typer.Exit(SOMETHING_WRONG)
@@ -153,9 +154,10 @@ def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
     terminal.say(summary(report))
 
 
-def _write_page(report: pinograsp.RobotReport, page: Path) -> None:
-    assert report.robot is not None
-    pinograsp.visualization.write_robot_html(report.robot, page, report.findings)
+def _files(report: pinograsp.RobotReport, page: Path) -> Iterator[str]:
+    """Write the page of a robot that can be drawn, and yield what to say of it."""
+    if (robot := report.robot) is not None:
+        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings))
 
 
 def _new_document(file: Path, found: Draft, marked: dict[int, str]) -> dict[str, Any]:
