@@ -403,6 +403,15 @@ def test_command_line(
     assert "5 configurations" in run("query", str(file), *center, "--radius", "0.3", "--count", "5")
     cone = ("--cone", "0", "0", "-1", "--angle", "40")
     assert "3 configurations" in run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone)
+    box = ("--box", "0.4", "0.3", "0.2", "--joint", "joint_1=-2,-1", "--joint", "joint_1=1,2", "--seed", "5")
+    within: dict[str, Any] = {"joints": {"joint_1": [(-2.0, -1.0), (1.0, 2.0)]}}
+    with Database.open(file) as opened:
+        half = np.array([0.4, 0.3, 0.2])
+        spread = spread_configurations(opened, np.array([0.6, 0.0, 0.0]), half, 4, seed=5, **within)
+        near = configurations_near(opened, np.array([0.6, 0.0, 0.0]), half, limit=4, **within)
+    for found, options in ((spread, ()), (near, ("--no-spread",))):
+        assert len(found) == 4
+        assert json.loads(run("query", str(file), *center, *box, "--count", "4", *options, "--json")) == found.to_json()
     rows = json.loads(run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone, "--json"))
     assert rows["joints"] == facts["joints"]
     assert np.shape(rows["q"]) == (3, 7)
@@ -415,9 +424,12 @@ def test_command_line(
     assert f"written: {tmp_path / 'cli_coverage.png'}\n" in covered
     assert (tmp_path / "cli_coverage.png").stat().st_size > 10_000
     with Database.open(file) as opened:
-        found = Coverage.of(opened, 0.1)
+        covering = Coverage.of(opened, 0.1)
     for name, value in json.loads(run("coverage", str(file), "--voxel", "0.1", "--json")).items():
-        assert json_data(getattr(found, name)) == value
+        assert json_data(getattr(covering, name)) == value
+    margins = {"enclosure": 0.01, "robot": 0.002}
+    run("build", "other.duckdb", "--scene", "glovebox", "--size", "10", "--margin", "0.01", "--robot-margin", "0.002")
+    assert json.loads(run("info", "other.duckdb", "--json"))["margins"].items() >= margins.items()
 
 
 @pytest.mark.parametrize("width", [80, 60])

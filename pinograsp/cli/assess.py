@@ -14,7 +14,7 @@ import pinograsp
 from ..tables import Table
 from ..units import shown_in
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command, given
+from .arguments import INTERRUPTED, as_options, command, given, scaled
 from .folders import file_name, make_folder, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
@@ -78,12 +78,12 @@ def assess(
     """
     terminal = Terminal(as_json, quiet)
     sizes = given(
-        position=_scaled(1e-3, position),
-        orientation=_scaled(math.radians(1.0), orientation),
+        position=scaled(1e-3, position),
+        orientation=scaled(math.radians(1.0), orientation),
         friction=friction,
         weight=weight,
-        center_of_mass=_scaled(1e-3, center_of_mass),
-        joint=_scaled(1e-3, joint),
+        center_of_mass=scaled(1e-3, center_of_mass),
+        joint=scaled(1e-3, joint),
     )
     as_given = {
         "position": f"--position {position} mm",
@@ -110,10 +110,6 @@ def assess(
         terminal.say(line)
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
-
-
-def _scaled(unit: float, number: float | None) -> float | None:
-    return None if number is None else unit * number
 
 
 def _files(names: dict[str, Any], found: pinograsp.Assessment, folder: Path | None) -> Iterator[str]:

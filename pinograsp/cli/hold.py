@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,7 +15,7 @@ import pinograsp
 from ..hold.options import HoldOptions
 from ..tables import Table
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command
+from .arguments import INTERRUPTED, as_options, command, given, scaled
 from .folders import file_name, make_folder, save, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
@@ -47,6 +47,29 @@ def hold(
     controls: Annotated[bool, typer.Option("--controls", help="Run the negative controls: both must drop it.")] = False,
     acceleration: Annotated[float, typer.Option(help="Of the shakes, m/s^2.")] = HoldOptions.acceleration,
     spin: Annotated[float, typer.Option(help="Angular acceleration of the spins, rad/s^2.")] = HoldOptions.spin,
+    slip_distance: Annotated[
+        float | None, typer.Option(help="Displacement from which on it is not held, mm.", show_default="1")
+    ] = None,
+    slip_angle: Annotated[
+        float | None, typer.Option(help="Rotation from which on it is not held, degrees.", show_default="2")
+    ] = None,
+    ramp: Annotated[
+        float, typer.Option(help="Growth of the acceleration up to the first slip, m/s^2 per second.")
+    ] = HoldOptions.ramp,
+    strongest: Annotated[
+        float, typer.Option(help="Acceleration at which the search for it ends, m/s^2.")
+    ] = HoldOptions.strongest,
+    control: Annotated[
+        str,
+        typer.Option(
+            help="torque of the driver, position of the joints, or auto: torque for hands of one synergy, position for "
+            "others."
+        ),
+    ] = HoldOptions.control,
+    squeeze: Annotated[bool, typer.Option(help="Whether the hand squeezes.")] = HoldOptions.squeeze,
+    friction: Annotated[
+        float | None, typer.Option(help="Friction coefficient.", show_default="that of the task")
+    ] = None,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="Write the model of the first one for MuJoCo's viewer.")] = False,
     film: Annotated[bool, typer.Option("--film", help="Write a film of the first one.")] = False,
     workers: arguments.Workers = None,
@@ -63,8 +86,23 @@ def hold(
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """
     terminal = Terminal(as_json, quiet)
-    with as_options({"acceleration": "--acceleration", "spin": "--spin"}):
-        options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    values: dict[str, Any] = given(
+        acceleration=acceleration,
+        spin=spin,
+        slip_distance=scaled(1e-3, slip_distance),
+        slip_angle=scaled(math.radians(1.0), slip_angle),
+        ramp=ramp,
+        strongest=strongest,
+        control=control,
+        friction=friction,
+    )
+    as_given = {
+        **{name: f"--{name}" for name in values},
+        "slip_distance": f"--slip-distance {slip_distance} mm",
+        "slip_angle": f"--slip-angle {slip_angle}°",
+    }
+    with as_options(as_given):
+        options = HoldOptions(**values, squeeze=squeeze, first_slip=first_slip, controls=controls)
     if best is not None and grasp is not None:
         raise pinograsp.InputError("is given with --best", key="--grasp", remedy="Give one of them")
     if (mjcf or film) and out is None:

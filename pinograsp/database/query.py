@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, real_array
-from ..errors import UnknownNameError, close_names, real_number, require_kind, whole_number
+from ..errors import InputError, UnknownNameError, close_names, real_number, require_kind, whole_number
 from ..frozen import Record
 from ..geometry.cone import DirectionCone
 from .store import Database
@@ -173,6 +173,8 @@ def _condition(
         column = f"q{known.index(name) + 1}"
         choices = []
         for number, (low, high) in enumerate(intervals):
+            if not low <= high:
+                raise InputError(f"{low:g} .. {high:g} is no interval of {name}", key="joints")
             values |= {f"{column}_low{number}": low, f"{column}_high{number}": high}
             choices.append(f"{column} BETWEEN ${column}_low{number} AND ${column}_high{number}")
         parts.append(f"({' OR '.join(choices) or 'false'})")
