@@ -39,7 +39,9 @@ PARTS = {
     "UrdfFiles": "a part of a robot file",
 }
 """Classes in public annotations that have no public name, and why; `docs/formats` describes the parts of files."""
-QUANTITY = re.compile(r"\b(float|Array|\w*Vector3|\w*Interval|Number|Positive|NotNegative|Length)\b")
+QUANTITY = re.compile(
+    r"\b(float|Array|\w*Vector3|\w*Interval|Numbers?|Rows|Points|Ranges|Sizes3|Positive|NotNegative|Length)\b"
+)
 """Annotations of what may have a unit."""
 
 

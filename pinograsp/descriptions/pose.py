@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, real_array
+from ..arrays import Array, Rows, real_array
 from ..errors import InputError
 from ..frozen import frozen
 from .model import Frozen
 from .values import Vector3
 
-ZERO: Vector3 = (0.0, 0.0, 0.0)
+ZERO: Any = (0.0, 0.0, 0.0)
+"""Default of vectors, a type of field that has no values."""
 
 
 class Pose(Frozen):
@@ -25,7 +27,7 @@ class Pose(Frozen):
     """Roll, pitch and yaw: turns about the fixed x, then y, then z, rad."""
 
     @classmethod
-    def of(cls, T: Array) -> Pose:
+    def of(cls, T: Rows) -> Pose:
         """Return the pose of a homogeneous transform, shape (4, 4).
 
         Raises:

@@ -10,10 +10,10 @@ import math
 from functools import cached_property
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from .model import Frozen
-from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3, listed
+from .values import Number, OrderedInterval, Points, Positive, UnitVector3, Vector3
 
 
 class HalfSpace(Frozen):
@@ -68,7 +68,7 @@ class Near(Frozen):
     """Points within `radius` of one of the `points`: contact where it is painted with a round brush."""
 
     type: Literal["near"] = "near"
-    points: Annotated[tuple[Vector3, ...], BeforeValidator(listed), Field(min_length=1)]
+    points: Annotated[Points, Field(min_length=1)]
     """m, shape (n, 3)."""
     radius: Positive
     """m."""

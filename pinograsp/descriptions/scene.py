@@ -15,7 +15,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..arrays import Array
+from ..arrays import Array, Rows
 from ..disk import digest
 from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
@@ -160,7 +160,7 @@ class Scene(FileRoot):
         """
         return self._named("task", name, self.tasks)
 
-    def with_object_pose(self, name: str, pose: Pose | Array) -> Self:
+    def with_object_pose(self, name: str, pose: Pose | Rows) -> Self:
         """Return the scene with an object at another pose.
 
         Args:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import model_validator
 
 from .kinds import Kinds
 from .model import Frozen
-from .values import NotNegative, Positive, listed, wrong
+from .values import NotNegative, Positive, Sizes3, wrong
 
 
 class ShapeDescription(Frozen):
@@ -33,7 +33,7 @@ class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
 
     type: Literal["box"] = "box"
-    size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    size: Sizes3
     """Edge lengths along x, y, z, m."""
 
 
@@ -79,7 +79,7 @@ class Ellipsoid(ShapeDescription):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
 
     type: Literal["ellipsoid"] = "ellipsoid"
-    semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    semi_axes: Sizes3
     """Along x, y, z, m."""
 
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..arrays import Numbers
 from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
-from ..descriptions.values import Vector3
 from ..errors import InputError, require_report
 from ..kinematics.tree import UrdfTree
 from ..progress import Report, no_report
@@ -30,9 +30,9 @@ class HandMount:
     """Link of the arm; its last one if not given."""
     root: str | None = None
     """Link of the hand's URDF with which the hand begins."""
-    position: Vector3 = ZERO
+    position: Numbers = ZERO
     """Of its root on that link, m."""
-    rpy: Vector3 = ZERO
+    rpy: Numbers = ZERO
     """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
     """Put before every name of its links and joints."""

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
-from ..arrays import Array
+from ..arrays import Array, Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
@@ -241,7 +241,7 @@ class Planner:
         run.times["total"] = time.perf_counter() - began
         return run.result(run.distinct())
 
-    def move(self, name: str, pose: Pose | Array) -> None:
+    def move(self, name: str, pose: Pose | Rows) -> None:
         """Put an object of the scene at another pose; nothing is rebuilt.
 
         Args:
