@@ -40,7 +40,7 @@ PARTS = {
 }
 """Classes in public annotations that have no public name, and why; `docs/formats` describes the parts of files."""
 QUANTITY = re.compile(
-    r"\b(float|Array|\w*Vector3|\w*Interval|Numbers?|Rows|Points|Ranges|Sizes3|Positive|NotNegative|Length)\b"
+    r"\b(float|Array|\w*Vector3|\w*Interval|Numbers?|Rows|\w*Points|Ranges|Sizes3|Positive|NotNegative|Length)\b"
 )
 """Annotations of what may have a unit."""
 

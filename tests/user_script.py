@@ -114,7 +114,7 @@ def vectors_as_they_come(planner: Planner) -> tuple[float, float, float]:
     x, y, z = ball.pose.position
     lower: float = task.joint_ranges["joint_1"][0] + task.desired_contacts[0][1]
     print(np.array(task.desired_contacts).shape, lower, x + y + z)
-    return ball.center_of_mass
+    return ball.pose.position
 
 
 def databases(robot: Robot, scene: Scene, folder: Path) -> None:

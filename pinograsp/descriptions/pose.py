@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -12,18 +11,17 @@ from ..arrays import Array, Rows, real_array
 from ..errors import InputError
 from ..frozen import frozen
 from .model import Frozen
-from .values import Vector3
+from .values import Vector3, as_default
 
-ZERO: Any = (0.0, 0.0, 0.0)
-"""Default of vectors, a type of field that has no values."""
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Pose(Frozen):
     """A frame in another one: position (m) and roll, pitch, yaw (rad) about the fixed axes x, y, z, as in URDF."""
 
-    position: Vector3 = ZERO
+    position: Vector3 = as_default(ZERO)
     """Origin of the frame, m."""
-    rpy: Vector3 = ZERO
+    rpy: Vector3 = as_default(ZERO)
     """Roll, pitch and yaw: turns about the fixed x, then y, then z, rad."""
 
     @classmethod

@@ -68,7 +68,7 @@ class Near(Frozen):
     """Points within `radius` of one of the `points`: contact where it is painted with a round brush."""
 
     type: Literal["near"] = "near"
-    points: Annotated[Points, Field(min_length=1)]
+    points: Points
     """m, shape (n, 3)."""
     radius: Positive
     """m."""

@@ -20,6 +20,11 @@ class ShapeDescription(Frozen):
 
     type: str
 
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the shape filled evenly, in its own frame, m."""
+        return 0.0, 0.0, 0.0
+
 
 class Sphere(ShapeDescription):
     """A ball around the origin of its frame; its radius in m."""
@@ -73,6 +78,13 @@ class Cone(ShapeDescription):
         if self.bottom_radius == self.top_radius == 0.0:
             raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
         return self
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
+        wider = max(self.bottom_radius, self.top_radius)
+        bottom, top = self.bottom_radius / wider, self.top_radius / wider
+        return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
 
 
 class Ellipsoid(ShapeDescription):

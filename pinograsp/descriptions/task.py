@@ -18,7 +18,20 @@ from .hand import ContactModel
 from .model import Frozen
 from .pose import ZERO
 from .regions import AllOf, Outside, Region
-from .values import Name, NotNegative, Number, Points, Positive, Ranges, Table, UnitVector3, Vector3, empty, wrong
+from .values import (
+    ContactPoints,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Ranges,
+    Table,
+    UnitVector3,
+    Vector3,
+    as_default,
+    empty,
+    wrong,
+)
 
 
 class Wrench(Frozen):
@@ -26,7 +39,7 @@ class Wrench(Frozen):
 
     force: Vector3
     """N, world."""
-    torque: Vector3 = ZERO
+    torque: Vector3 = as_default(ZERO)
     """About the centre of mass, N m, world."""
 
     @cached_property
@@ -107,12 +120,15 @@ class Task(Frozen):
 
     object: Name
     """Name of an object of the scene."""
-    desired_contacts: Annotated[Points, Field(min_length=2)]
+    desired_contacts: ContactPoints
     """Desired contact points on the object's surface, in the object's frame, m; one for each pad."""
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
-    wrench: Wrench
-    """External force, N, and torque, N m, that the contacts are to balance, world."""
+    wrench: Wrench | None = None
+    """External force, N, and torque, N m, that the contacts are to balance, world; all of it, the weight included.
+
+    By default the weight of the object: its mass times the gravity of the scene, at its centre of mass.
+    """
     contact: ContactConstants
     """Friction, and limits of the contact forces, N."""
     force_weight: NotNegative = 1.0

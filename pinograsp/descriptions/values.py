@@ -135,18 +135,27 @@ def empty() -> Any:
     return FrozenMapping({})
 
 
+def as_default(value: object) -> Any:
+    """Return a value as the default of a field below, whose type has no values for type checkers."""
+    return value
+
+
 if TYPE_CHECKING:
     Vector3: TypeAlias = Takes[Numbers, tuple[float, float, float]]
     Sizes3: TypeAlias = Vector3
     UnitVector3: TypeAlias = Vector3
+    OptionalVector3: TypeAlias = Takes[Numbers | None, tuple[float, float, float] | None]
     Points: TypeAlias = Takes[Rows, tuple[tuple[float, float, float], ...]]
+    ContactPoints: TypeAlias = Points
     OrderedInterval: TypeAlias = Takes[Numbers, tuple[float, float]]
     Ranges: TypeAlias = Takes[Mapping[str, Numbers], Mapping[str, tuple[float, float]]]
 else:
     Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
     Sizes3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
-    Points = Annotated[tuple[Vector3, ...], BeforeValidator(listed)]
+    OptionalVector3 = Vector3 | None
+    Points = Annotated[tuple[Vector3, ...], Field(min_length=1), BeforeValidator(listed)]
+    ContactPoints = Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
     OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
     """An interval that has a width."""
     Ranges = Table[Name, Annotated[Interval, AfterValidator(_not_above)]]

@@ -56,7 +56,8 @@ class TaskModel:
         self.desired_normals = np.array([f.normal if isinstance(f, Flat) else np.zeros(3) for f in faces])
         """Outward normals of the flat faces that the desired points are on; zero on curved parts, shape (n, 3)."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
+        wrench = self.scene.wrench_of(self.task)
+        self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.
