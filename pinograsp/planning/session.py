@@ -225,7 +225,7 @@ class Planner:
         """
         began, limits = time.perf_counter(), _Limits.of(most, deadline)
         model, odd = self._checked(task)
-        run = Run(self._setup(task), self._robot.files, 0, odd)
+        run = Run(self._setup(task), self._robot.files, NEAREST, odd)
         run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
         try:
             postures = self._nearest(model)
