@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -127,11 +127,12 @@ def plan(
     names = {name: f"--{name}" for name in ("starts", "workers", "deadline")}
     with terminal.progress() as progress, as_options(names):
         model = read_robot(robot)
-        planner = pinograsp.Planner(
-            model, described, workers=workers, options=options, database=database, progress=progress
-        )
-        with planner:
-            result = planner.first(task, **quick) if quick else planner.plan(task, **whole)
+        session: dict[str, Any] = {"workers": workers, "options": options, "database": database, "progress": progress}
+        if quick:
+            with pinograsp.Planner(model, described, **session) as planner:
+                result = planner.first(task, **quick)
+        else:
+            result = pinograsp.plan(model, described, task, **whole, **session)
         written = saved(_files(result, out, rank_by, html))
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
     for line in written:
