@@ -17,7 +17,7 @@ from ..errors import InputError
 from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .shapes import Mesh, ShapeDescription
-from .values import Name, Number, OrderedInterval, Positive, UnitVector3, Vector3, listed, wrong
+from .values import Name, Number, OrderedInterval, Points, Positive, UnitVector3, Vector3, listed, wrong
 
 
 class HalfSpace(Frozen):
@@ -72,7 +72,7 @@ class Near(Frozen):
     """Points within `radius` of one of the `points`: contact where it is painted with a round brush."""
 
     type: Literal["near"] = "near"
-    points: Annotated[tuple[Vector3, ...], BeforeValidator(listed), Field(min_length=1)]
+    points: Points
     """m, shape (n, 3)."""
     radius: Positive
     """m."""

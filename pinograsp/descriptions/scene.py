@@ -15,7 +15,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
-from ..arrays import Array
+from ..arrays import Array, Rows
 from ..disk import digest
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
@@ -27,7 +27,21 @@ from .regions import Region, on_object
 from .scene_html import scene_html
 from .shapes import Shape
 from .task import Task, Wrench
-from .values import ABSENT, FARTHEST, FileName, Format1, Name, Positive, Table, Vector3, empty, wrong, wrong_name
+from .values import (
+    ABSENT,
+    FARTHEST,
+    FileName,
+    Format1,
+    Name,
+    OptionalVector3,
+    Positive,
+    Table,
+    Vector3,
+    as_default,
+    empty,
+    wrong,
+    wrong_name,
+)
 
 Part = TypeVar("Part", bound=Frozen)
 STANDARD_GRAVITY = 9.80665
@@ -74,7 +88,7 @@ class Body(Frozen):
 class Object(Body):
     """Something to grasp; in the tasks of other objects it is an obstacle."""
 
-    center_of_mass: Vector3 | None = None
+    center_of_mass: OptionalVector3 = as_default(None)
     """In the object's frame, m; by default that of its shape, filled evenly."""
     mass: Positive | None = None
     """kg; by default what a task's external force weighs in the gravity of the scene."""
@@ -112,7 +126,7 @@ class Scene(FileRoot):
     """The room that the robot must stay in, m, world."""
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
-    gravity: Vector3 = DOWN
+    gravity: Vector3 = as_default(DOWN)
     """Acceleration of free fall, m/s^2, world, in any direction; zeros where nothing falls."""
     obstacles: Table[Name, Body] = Field(default_factory=empty)
     """Bodies that stay where they are, by name."""
@@ -190,7 +204,7 @@ class Scene(FileRoot):
         """
         return self._named("task", name, self.tasks)
 
-    def with_object_pose(self, name: str, pose: Pose | Array) -> Self:
+    def with_object_pose(self, name: str, pose: Pose | Rows) -> Self:
         """Return the scene with an object at another pose.
 
         Args:

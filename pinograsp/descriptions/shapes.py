@@ -15,8 +15,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from .kinds import Kinds
 from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
-from .pose import ZERO, Pose
-from .values import NotNegative, Positive, listed, wrong
+from .pose import Pose
+from .values import NotNegative, Positive, Sizes3, listed, wrong
 
 
 class ShapeDescription(Frozen):
@@ -27,7 +27,7 @@ class ShapeDescription(Frozen):
     @property
     def centroid(self) -> tuple[float, float, float]:
         """Centre of mass of the shape filled evenly, in its own frame, m."""
-        return ZERO
+        return 0.0, 0.0, 0.0
 
     @property
     def volume(self) -> float:
@@ -52,7 +52,7 @@ class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
 
     type: Literal["box"] = "box"
-    size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    size: Sizes3
     """Edge lengths along x, y, z, m."""
 
     @property
@@ -126,7 +126,7 @@ class Ellipsoid(ShapeDescription):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
 
     type: Literal["ellipsoid"] = "ellipsoid"
-    semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    semi_axes: Sizes3
     """Along x, y, z, m."""
 
     @property

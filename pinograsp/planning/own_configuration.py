@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, real_array
+from ..arrays import Array, Numbers, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, State, TaskModel
@@ -22,7 +22,7 @@ TOWARDS_DESIRED = 1e-3
 """Weight of the desired points, which decide where a contact is that could be anywhere along a line."""
 
 
-Configuration = Mapping[str, float] | Sequence[float] | Array
+Configuration = Mapping[str, float] | Numbers
 """Values by the names of arm joints and synergies, or in their order, rad (m)."""
 
 

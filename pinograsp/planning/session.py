@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Self
 
-from ..arrays import Array
+from ..arrays import Array, Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
@@ -32,11 +33,11 @@ from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
-from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
+from .attempt import Attempt, attempt, attempts_of, lost_attempt, require_consistent, verifier_of
 from .bound import least_U
 from .defaults import DEFAULT_STARTS
 from .grading import all_graded, graded
-from .outcomes import Run
+from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
 
 NEAREST = 400
@@ -45,6 +46,27 @@ QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Where a search for single grasps ends."""
+
+    most: int | None
+    """Number of grasps."""
+    end: float
+    """On the clock `time.perf_counter`, s."""
+
+    @classmethod
+    def of(cls, most: int | None, deadline: float | None) -> _Limits:
+        """Return limits from now on.
+
+        Raises:
+            InputError: a number is out of range.
+        """
+        most = None if most is None else whole_number("most", most, 1)
+        seconds = math.inf if deadline is None else real_number("deadline", deadline, 0.0)
+        return cls(most, time.perf_counter() + seconds)
 
 
 class Planner:
@@ -141,10 +163,8 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
-        run = Run(setup, self._robot.files, starts, odd)
+        model, odd = self._checked(task)
+        run = Run(self._setup(task), self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
         self._evaluate_once(model)
         run.times["prepare"] = time.perf_counter() - began
@@ -153,10 +173,8 @@ class Planner:
             database = self._database(model.task.margin)
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
-            identity = identity_of(database).digest
-            rows = database.rows()
-            run.facts["database"] = {"file": str(database.file), "rows": rows, "identity": identity}
-            run.count_starts(len(postures), rows, model.task.start_radius)
+            run.facts["database"] = facts_of(database)
+            run.count_starts(len(postures), model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
@@ -186,34 +204,44 @@ class Planner:
         Raises:
             InputError: as `plan`; at the first call of `next`.
         """
-        if most is not None:
-            whole_number("most", most, 1)
-        if deadline is not None:
-            real_number("deadline", deadline, 0.0)
-        began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        check_task(model)
-        if task not in self._hands:  # neither depends on where objects stand
-            self._evaluate_once(model)
-            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        postures = self._index(model).starts(model, self._hands[task], NEAREST)
-        quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
-        solver, verifier = LocalSolver(model, quick), verifier_of(model)
-        setup = Setup(self._robot.description, self._scene, task)
-        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
-        for index, posture in enumerate(postures):
-            if deadline is not None and time.perf_counter() - began > deadline:
-                return
-            grasp = attempt(solver, verifier, index, posture).grasp
-            if grasp is None:
-                continue
-            found += 1
-            yield replace(graded(grasp, verifier), setup=setup)
-            if found == most or bound >= grasp.cost.U:
-                return
+        limits = _Limits.of(most, deadline)
+        model, _ = self._checked(task)
+        for done in self._tried(model, self._nearest(model), limits):
+            if done.grasp is not None:
+                yield done.grasp
 
-    def move(self, name: str, pose: Pose | Array) -> None:
+    def first(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Result:
+        """Return as a result what `grasps` yields, with what became of the starts without a grasp.
+
+        Near-identical grasps are one. Ctrl-C ends the search and returns what was found until then.
+
+        Args:
+            task: name of a task of the scene.
+            most: number of grasps, near-identical ones counted.
+            deadline: seconds from the call.
+
+        Raises:
+            InputError: as `plan`.
+        """
+        began, limits = time.perf_counter(), _Limits.of(most, deadline)
+        model, odd = self._checked(task)
+        run = Run(self._setup(task), self._robot.files, NEAREST, odd)
+        run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
+        try:
+            postures = self._nearest(model)
+            run.facts["database"] = facts_of(self._database(model.task.margin))
+            run.starts = len(postures)
+            run.times["prepare"] = time.perf_counter() - began
+            for done in self._tried(model, postures, limits):
+                run.add(done)
+                self._report(run.progress(len(postures)))
+            run.count_tried(deadline)
+        except KeyboardInterrupt:
+            run.interrupted = True
+        run.times["total"] = time.perf_counter() - began
+        return run.result(run.distinct())
+
+    def move(self, name: str, pose: Pose | Rows) -> None:
         """Put an object of the scene at another pose; nothing is rebuilt.
 
         Args:
@@ -241,6 +269,49 @@ class Planner:
         model = self._model(task)
         with compiling(self._report):
             return checked(model, verifier_of(model), joints)
+
+    def _checked(self, task: str) -> tuple[TaskModel, tuple[str, ...]]:
+        """Return the model of a task, and what is odd about it.
+
+        Raises:
+            InputError: the task does not exist, or makes no sense for this robot and scene.
+        """
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
+        model = self._model(task)
+        return model, tuple(check_task(model))
+
+    def _setup(self, task: str) -> Setup:
+        return Setup(self._robot.description, self._scene, task)
+
+    def _nearest(self, model: TaskModel) -> Array:
+        """Return the starts whose hand is nearest to the object, the most promising first, shape (n, l + s)."""
+        task = model.task_name
+        if task not in self._hands:  # neither depends on where objects stand
+            self._evaluate_once(model)
+            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
+        return self._index(model).starts(model, self._hands[task], NEAREST)
+
+    def _tried(self, model: TaskModel, postures: Array, limits: _Limits) -> Iterator[Attempt]:
+        """Yield what becomes of one start after the other, within limits; grasps have all their figures."""
+        solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
+        setup = self._setup(model.task_name)
+        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[model.task_name], 0
+        for index, posture in enumerate(postures):
+            if time.perf_counter() > limits.end:
+                return
+            done = attempt(solver, verifier, index, posture)
+            if done.grasp is None:
+                yield done
+                continue
+            found += 1
+            yield replace(done, grasp=replace(graded(done.grasp, verifier), setup=setup))
+            if found == limits.most or bound >= done.grasp.cost.U:
+                return
+
+    @property
+    def _quick(self) -> SolverOptions:
+        """How a start is solved where the next one is better than a second try."""
+        return replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
 
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up
