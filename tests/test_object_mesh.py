@@ -483,6 +483,7 @@ def test_findings_are_told(tmp_path: Path) -> None:
     large.apply_scale(1000.0)
     content = scene_with({"type": "mesh", "file": str(put(tmp_path, "box.stl", large))})
     scene = pinograsp.Scene.from_dict(content)
+    assert "mesh box.stl" in scene._repr_html_()
     said = list(mesh_findings(scene, scene.task("hold")))
     assert said == ["mesh of 'thing': taken as millimetres: it is 60 mm large, in metres it would be 60 m"]
 

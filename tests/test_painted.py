@@ -269,6 +269,14 @@ def test_the_painted_can_is_case_3(gen3: Any, folder: Path) -> None:
     assert pytest.approx(expected.best.cost.U, rel=0.01) == found.best.cost.U
 
 
+def test_content_of_a_file_is_read_as_it_was_written(folder: Path) -> None:
+    scene = pinograsp.load_scene("glovebox_can")
+    body = scene.objects["can"].model_copy(update={"shape": Mesh(file=folder / "can.ply")})
+    mesh = scene.with_object("can", body).with_task("can", allowed_contacts=Painted(color=GREEN))
+    assert type(mesh).from_dict(mesh.to_dict()) == mesh
+    assert type(mesh).model_validate(mesh.model_dump(mode="json")) == mesh  # as files of results have it
+
+
 def test_what_is_read_is_what_was_hashed(folder: Path, tmp_path: Path) -> None:
     file = tmp_path / "can.ply"
     file.write_bytes((folder / "can.ply").read_bytes())

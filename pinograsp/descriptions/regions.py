@@ -119,8 +119,8 @@ class Painted(MeshFile):
     def _something(self) -> Painted:
         if self.color is None and self.material is None and self.group is None:
             raise wrong("nothing says what is painted", remedy="Give `color`, `material` or `group`")
-        for key in {"scale", "unit", "largest_hole", "sha256"} & self.model_fields_set:
-            if self.file is None:
+        for key, field in MeshFile.model_fields.items():
+            if self.file is None and getattr(self, key) != field.default:
                 raise wrong("belongs to a `file`, which is not given", key, remedy="Give it in the object's shape")
         return self
 
