@@ -29,14 +29,20 @@ from .sphere import SphereSurface
 class Surface(Protocol):
     """A shape: convex, a compound, or the body within a mesh."""
 
-    least_width: float
-    """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m."""
     radius: float
     """Of a ball around the frame's origin that contains the shape, m."""
     edged: bool
     """Whether some of its contact faces have edges."""
     uneven: bool
     """Whether pads lie on the mean of what is below them, tilted and pressed in a little, instead of tangent to it."""
+
+    @property
+    def least_width(self) -> float:
+        """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m.
+
+        0 if parts of it may be narrower that are not known.
+        """
+        ...
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance (n,), gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3); negative inside.
