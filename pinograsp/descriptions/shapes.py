@@ -6,6 +6,7 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Annotated, Literal
 
@@ -28,6 +29,11 @@ class ShapeDescription(Frozen):
         """Centre of mass of the shape filled evenly, in its own frame, m."""
         return ZERO
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        raise NotImplementedError(f"the shape {self.type} has no volume")
+
 
 class Sphere(ShapeDescription):
     """A ball around the origin of its frame; its radius in m."""
@@ -36,6 +42,11 @@ class Sphere(ShapeDescription):
     radius: Positive
     """m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * self.radius**3
+
 
 class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
@@ -43,6 +54,11 @@ class Box(ShapeDescription):
     type: Literal["box"] = "box"
     size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     """Edge lengths along x, y, z, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.prod(self.size)
 
 
 class Cylinder(ShapeDescription):
@@ -54,6 +70,11 @@ class Cylinder(ShapeDescription):
     height: Positive
     """Along z, m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * self.height
+
 
 class Capsule(ShapeDescription):
     """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
@@ -63,6 +84,11 @@ class Capsule(ShapeDescription):
     """m."""
     length: Positive
     """Between the centres of the two end balls, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * (self.length + 4.0 / 3.0 * self.radius)
 
 
 class Cone(ShapeDescription):
@@ -83,6 +109,12 @@ class Cone(ShapeDescription):
         return self
 
     @property
+    def volume(self) -> float:
+        """m^3."""
+        bottom, top = self.bottom_radius, self.top_radius
+        return math.pi / 3.0 * self.height * (bottom**2 + bottom * top + top**2)
+
+    @property
     def centroid(self) -> tuple[float, float, float]:
         """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
         wider = max(self.bottom_radius, self.top_radius)
@@ -96,6 +128,11 @@ class Ellipsoid(ShapeDescription):
     type: Literal["ellipsoid"] = "ellipsoid"
     semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
     """Along x, y, z, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * math.prod(self.semi_axes)
 
 
 class Mesh(ShapeDescription, MeshFile):
@@ -144,6 +181,22 @@ class Compound(ShapeDescription):
     type: Literal["compound"] = "compound"
     parts: Annotated[tuple[Part, ...], BeforeValidator(listed), Field(min_length=1)]
     """At least one, in the compound's frame."""
+
+    @property
+    def volume(self) -> float:
+        """m^3; what parts share counts in each of them."""
+        return sum(part.shape.volume for part in self.parts)
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the parts filled evenly, in the compound's frame, m; what they share counts in each."""
+        sums = [0.0, 0.0, 0.0]
+        for part in self.parts:
+            T, share = part.pose.matrix, part.shape.volume / self.volume
+            for axis in range(3):
+                turned = sum(T[axis, k] * part.shape.centroid[k] for k in range(3))
+                sums[axis] += share * float(turned + T[axis, 3])
+        return sums[0], sums[1], sums[2]
 
 
 SHAPES.add(Compound)

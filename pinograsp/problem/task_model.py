@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..collision.distances import CollisionModel, Distances
 from ..collision.object_points import ObjectPoints
 from ..collision.scene_world import task_world
@@ -92,10 +92,10 @@ class TaskModel:
         """Return the distances of sets of points to the object, which is uneven."""
         return points.distances(configuration, self.surface, self.T_world_object)
 
-    def touched_parts(self, points: Array) -> list[int]:
+    def touched_parts(self, points: Array) -> Indices:
         """Return the part of the object that each world point is nearest to; 0 but of a compound."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
-        return self.surface.nearest_part((points - origin) @ R).tolist()
+        return self.surface.nearest_part((points - origin) @ R)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the contact face of the object at its surface point nearest to a world point; world frame."""

@@ -5,6 +5,9 @@ plane, so what of the link is flush with it or behind it cannot be touched, and 
 above the plane by more than `PENETRATION` stands out; triangles are cut there. Of a curved pad the surface continued is
 the whole sphere or cylinder, and triangles that reach more than `BULGE` outside it stand out.
 
+Of a compound that is so of the part that a pad touches. Other parts may be beside or behind the pad's surface: the pad
+clearance, which is of the whole link, keeps them out of it.
+
 A link with several pads is touched at each of them, so that only what stands out above all of them counts.
 """
 
