@@ -13,6 +13,7 @@ from places import Place, changed, project, random_starts
 
 from pinograsp.collision.object_points import link_points, pad_points
 from pinograsp.collision.solids import link_bodies
+from pinograsp.collision.world import Body
 from pinograsp.descriptions import Scene
 from pinograsp.errors import TaskError
 from pinograsp.geometry.exact_distance import ExactDistance
@@ -79,6 +80,10 @@ def test_a_fine_mesh_leads_to_the_grasps_of_its_shape(name: str, gen3: Robot, gl
         assert np.degrees(tilts).max() < 5.0
 
 
+NEAR = ("robotiq_85_base_link", "robotiq_85_left_inner_knuckle_link", "robotiq_85_right_finger_link")
+"""Links of which none of the solids is behind a pad."""
+
+
 @pytest.fixture(scope="module")
 def hammer(gen3: Robot, glovebox: Scene, tmp_path_factory: pytest.TempPathFactory) -> TaskModel:
     """A hammer that lies, to be held at its handle."""
@@ -92,7 +97,7 @@ def hammer(gen3: Robot, glovebox: Scene, tmp_path_factory: pytest.TempPathFactor
 def places(hammer: TaskModel) -> list[Place]:
     """Projected starts: some of them have links in the hammer."""
     found = []
-    for posture in random_starts(hammer, 6, 1):
+    for posture in random_starts(hammer, 4, 1):
         problem = GraspProblem(hammer, (0, 1))
         x = np.concatenate([posture, 0.5 * (problem.lower + problem.upper)[len(posture) :]])
         problem = GraspProblem(hammer, nearest_assignment(hammer, problem.state(x)))
@@ -100,46 +105,44 @@ def places(hammer: TaskModel) -> list[Place]:
     return found
 
 
-def least_distances(place: Place) -> dict[str, float]:
-    """Return the exact distance of every link to the object, m: points of its solids a millimetre apart."""
+def least_distance(place: Place, body: Body) -> float:
+    """Return the exact distance of a link to the object, m: of points of its solids two millimetres apart."""
     state = place.state
     model, configuration = state.model, state.configuration
     tessellation = model.surface.tessellation()
     exact = ExactDistance(tessellation.vertices, tessellation.triangles)
     T = np.linalg.inv(model.T_world_object)
-    least = {}
-    for body in link_bodies(model.robot):
-        distances = [math.inf]
-        for solid in body.solids:
-            corners = Hull(np.array(solid.shape.points())).triangles.reshape(-1, 3)
-            triangles = np.arange(len(corners)).reshape(-1, 3)
-            points = refined(
-                Tessellation(corners, triangles), 0.001 if body.name.startswith("robotiq") else 0.01
-            ).vertices
-            points = points @ solid.placement[:3, :3].T + solid.placement[:3, 3]
-            points = points @ configuration.rotations[body.joint].T + configuration.translations[body.joint]
-            distances.append(float(exact.signed(points @ T[:3, :3].T + T[:3, 3]).min()))
-        least[body.name] = min(distances)
-    return least
+    distances = [math.inf]
+    for solid in body.solids:
+        corners = Hull(np.array(solid.shape.points())).triangles.reshape(-1, 3)
+        points = refined(Tessellation(corners, np.arange(len(corners)).reshape(-1, 3)), 0.002).vertices
+        points = points @ solid.placement[:3, :3].T + solid.placement[:3, 3]
+        points = points @ configuration.rotations[body.joint].T + configuration.translations[body.joint]
+        points = points @ T[:3, :3].T + T[:3, 3]
+        low, high = tessellation.vertices.min(axis=0), tessellation.vertices.max(axis=0)
+        about = ((points > low) & (points < high)).all(axis=1)  # those that may be inside: the sign takes long
+        distances.append(float(exact.unsigned(points).min()))
+        if about.any():
+            distances.append(float(exact.signed(points[about]).min()))
+    return min(distances)
 
 
 def test_links_are_as_far_from_the_object_as_their_points(hammer: TaskModel, places: list[Place]) -> None:
     """A row is a lower bound of the distance of its link, and tight where the link is near."""
     clearance = object_clearance(hammer)
     assert clearance is not None
+    bodies = [body for body in link_bodies(hammer.robot) if body.name in NEAR]
     near = 0
     for place in places:
         values = dict(zip(clearance.rows, clearance.inside(place.state).values.tolist(), strict=True))
-        for link, distance in least_distances(place).items():
-            row = values.get(f"object clearance of {link}")
-            if row is None or link.endswith("tip_link"):  # some of its solids are pads
-                continue
-            above = distance - hammer.task.margin.object
+        for body in bodies:
+            above = least_distance(place, body) - hammer.task.margin.object
+            row = values[f"object clearance of {body.name}"]
             assert row < max(above, 0.0) + 3e-4
             if -0.02 < above < 0.01:
                 near += 1
                 assert row > above - 2.5e-3
-    assert near > 5
+    assert near > 3
 
 
 def test_what_is_measured_is_each_link_once(hammer: TaskModel) -> None:

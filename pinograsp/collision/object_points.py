@@ -119,8 +119,8 @@ def pad_points(robot: Robot) -> ObjectPoints:
     """Return the points of pads and of what is behind them.
 
     Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
-    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which sides it
-    is too deep.
+    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which
+    sides it is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
     sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
@@ -219,8 +219,8 @@ def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
 def _simplified(vertices: Array, cell: float) -> tuple[Array, float]:
     """Return the facets of a hull of fewer of its vertices, shape (n, 3, 3), and how far others stand out of it, m.
 
-    Of vertices in one cubic cell of an edge, m, one is left: the narrow facets between them would have more points than all
-    others.
+    Of vertices in one cubic cell of an edge, m, one is left: the narrow facets between them would have more points than
+    all others.
     """
     _, kept = np.unique(np.floor(vertices / cell), axis=0, return_index=True)
     try:

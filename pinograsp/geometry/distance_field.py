@@ -13,8 +13,8 @@ the same where the fine lattice ends. Beyond the coarse lattice, with q the near
     d(p) = d(q) + |p - q|     an upper bound of the distance;     AROUND + |p - q| is a lower one.
 
 Signs: the segment between two nodes that are farther from the surface, together, than from each other does not cross
-it. So nodes are joined to regions of one sign, and only one node of each region, and those next to the surface, are asked
-whether the surface goes around them.
+it. So nodes are joined to regions of one sign, and only one node of each region, and those next to the surface, are
+asked whether the surface goes around them.
 """
 
 from __future__ import annotations

@@ -38,7 +38,10 @@ class Surface(Protocol):
 
     @property
     def least_width(self) -> float:
-        """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m."""
+        """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m.
+
+        0 if parts of it may be narrower that are not known.
+        """
         ...
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:

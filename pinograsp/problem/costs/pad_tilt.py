@@ -1,4 +1,4 @@
-"""Pad tilt: of grasps of an uneven surface that are within the cone of `constraints.pad_tilt`, less tilted ones are better.
+"""Pad tilt: of grasps of an uneven surface within the cone of `constraints.pad_tilt`, less tilted ones are better.
 
 Without it, solutions sit on the border of the cone. The cost is none of U, the paper's, and is not reported as part of
 it.
