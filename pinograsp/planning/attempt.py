@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..planning.assemble import claim_of, grasp_of
-from ..problem import State, TaskModel
+from ..problem import DesiredPoints, State, TaskModel
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate
@@ -20,11 +20,25 @@ from ..verification.check import Verifier
 from ..verification.robot import read_robot
 
 
+class Item(NamedTuple):
+    """One start of a plan."""
+
+    index: int
+    """Its number."""
+    posture: Array
+    """(q_a, sigma), rad (m), shape (l + s,)."""
+    desired: DesiredPoints | None = None
+    """Points that are proposed to it; None: those that the task desires."""
+
+
 class Solver(Protocol):
     """Solves a task from one start after another, such as `solve.LocalSolver`."""
 
-    def solve(self, index: int, start: Array) -> Solution:
-        """Return where the start of a number, posture (q_a, sigma) of shape (l + s,), leads."""
+    def solve(self, index: int, start: Array, desired: DesiredPoints | None) -> Solution:
+        """Return where the start of a number, posture (q_a, sigma) of shape (l + s,), leads.
+
+        The points are those that are proposed to it; None: those that the task desires.
+        """
 
 
 @dataclass(frozen=True)
@@ -40,21 +54,20 @@ class Attempt:
     verify_seconds: float = 0.0
 
 
-def attempt(solver: Solver, verifier: Verifier, index: int, start: Array) -> Attempt:
+def attempt(solver: Solver, verifier: Verifier, item: Item) -> Attempt:
     """Solve from one start and judge what comes of it.
 
     Args:
         solver: of the task.
         verifier: of the same task.
-        index: number of the start.
-        start: posture (q_a, sigma), shape (l + s,).
+        item: the start.
     """
-    solution = solver.solve(index, start)
+    solution = solver.solve(item.index, item.posture, item.desired)
     alone = replace(solution, state=None)
     if solution.state is None or not solution.feasible:
         return Attempt(alone)
     began = time.perf_counter()
-    certificate, grasp = certify(index, solution.state, verifier)
+    certificate, grasp = certify(item.index, solution.state, verifier)
     return Attempt(alone, certificate, grasp, time.perf_counter() - began)
 
 
@@ -65,10 +78,10 @@ def certify(index: int, state: State, verifier: Verifier) -> tuple[Certificate, 
     return certificate, grasp_of(index, state, claim, certificate) if certificate.verified else None
 
 
-def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> Callable[[tuple[int, Array]], Attempt]:
-    """Build, in a worker, the handler of starts: number and posture (q_a, sigma) of shape (l + s,)."""
+def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> Callable[[Item], Attempt]:
+    """Build, in a worker, the handler of starts."""
     solver, verifier = solver_of(model), verifier_of(model)
-    return lambda item: attempt(solver, verifier, *item)
+    return lambda item: attempt(solver, verifier, item)
 
 
 @remembered
@@ -89,7 +102,7 @@ def verifier_of(model: TaskModel) -> Verifier:
     return Verifier(model.robot.unmounted.description, model.scene, model.task_name)
 
 
-def lost_attempt(item: tuple[int, Array], reason: str) -> Attempt:
+def lost_attempt(item: Item, reason: str) -> Attempt:
     """Return the attempt of a start whose worker ended twice."""
-    index, posture = item
-    return Attempt(Solution(index, "failed", (), posture, (), 0, 0.0, f"start {index} lost: {reason}"))
+    message = f"start {item.index} lost: {reason}"
+    return Attempt(Solution(item.index, "failed", (), item.posture, (), 0, 0.0, message))

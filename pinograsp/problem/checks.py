@@ -44,7 +44,7 @@ def check_task(model: TaskModel) -> list[str]:
             contact can be made in the contact region.
     """
     pads = len(model.robot.description.pads)
-    if len(model.desired_points) != pads:
+    if model.task.desired_contacts is not None and len(model.desired_points) != pads:
         raise TaskError(
             f"{len(model.desired_points)} desired contacts for a hand of {pads} pads",
             file=model.scene.source,
@@ -101,6 +101,8 @@ def _depth(first: Body, second: Body) -> float:
 
 def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:
     task = scene.task(task_name)
+    if task.desired_contacts is None:
+        return
     distances, _, _ = surface.signed_distance(np.array(task.desired_contacts))
     worst = int(np.abs(distances).argmax())
     if abs(distances[worst]) > TOLERANCE:

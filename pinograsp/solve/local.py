@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Array
-from ..problem import GraspProblem, State, TaskModel, Violation
+from ..problem import DesiredPoints, GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
 from .options import SolverOptions
 from .polish import polished
@@ -56,27 +56,34 @@ class LocalSolver:
         self._model = model
         self._options = options
         self._backend = backend_of(options.algorithm)
-        self._problems: dict[tuple[int, ...], GraspProblem] = {}
+        self._problems: dict[tuple[tuple[int, ...], bytes], GraspProblem] = {}
 
-    def problem(self, assignment: tuple[int, ...]) -> GraspProblem:
-        """Return the problem in which pad i serves desired point assignment[i]."""
-        if assignment not in self._problems:
-            self._problems[assignment] = GraspProblem(self._model, assignment)
-        return self._problems[assignment]
+    def problem(self, assignment: tuple[int, ...], desired: DesiredPoints | None = None) -> GraspProblem:
+        """Return the problem in which pad i serves desired point assignment[i].
 
-    def solve(self, index: int, start: Array) -> Solution:
+        Args:
+            assignment: desired point of every pad.
+            desired: points that are proposed; None: those that the task desires.
+        """
+        key = assignment, b"" if desired is None else desired.points.tobytes()
+        if key not in self._problems:
+            self._problems[key] = GraspProblem(self._model, assignment, desired=desired)
+        return self._problems[key]
+
+    def solve(self, index: int, start: Array, desired: DesiredPoints | None = None) -> Solution:
         """Solve from one start.
 
         Args:
             index: number of the start.
             start: posture (q_a, sigma), shape (l + s,).
+            desired: points that are proposed to it; None: those that the task desires.
         """
         began = time.perf_counter()
-        problem = self.problem(tuple(range(len(self._model.desired_points))))
+        problem = self.problem(tuple(range(len(self._model.robot.pads))), desired)
         centers = 0.5 * (problem.lower + problem.upper)[self._model.robot.posture_size :]
         x = np.clip(np.concatenate([start, centers]), problem.lower, problem.upper)
-        assignment = nearest_assignment(self._model, problem.state(x))
-        problem = self.problem(assignment)
+        assignment = nearest_assignment(self._model, problem.state(x), desired)
+        problem = self.problem(assignment, desired)
         runs = []
         for guess in islice(initial_guesses(problem, x, self._options.projection), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)

@@ -56,16 +56,16 @@ class HeldHand:
 
         Args:
             q: arm configurations, rad (m), shape (n, l).
-            points: in the world, m, shape (pads, 3).
+            points: in the world, m, shape (..., pads, 3).
 
         Returns:
-            Shape (n,).
+            Shape (..., n).
         """
         frames = self._batch.frames(q)
         pads = np.array([frames.place(group, point) for group, point in self._pads])
-        square = ((pads[:, None] - points[None, :, None]) ** 2).sum(axis=3)
+        square = ((pads[:, None] - points[..., None, :, None, :]) ** 2).sum(axis=-1)
         rows = range(len(pads))
-        sums = [square[rows, order].sum(axis=0) for order in itertools.permutations(rows)]
+        sums = [square[..., rows, order, :].sum(axis=-2) for order in itertools.permutations(rows)]
         return np.asarray(np.min(sums, axis=0))
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import pinograsp
-from pinograsp.problem import TaskModel
+from pinograsp.problem import DesiredPoints, TaskModel
 from pinograsp.solve.backends import Limits, Program
 from pinograsp.solve.backends.nlopt import INNER_COST_CHANGE, NLopt
 from pinograsp.solve.local import LocalSolver, Solution, solution_of
@@ -143,11 +143,11 @@ class RecipeSolver:
             seconds=SECONDS,
         )
 
-    def solve(self, index: int, start: np.ndarray) -> Solution:
+    def solve(self, index: int, start: np.ndarray, desired: DesiredPoints | None = None) -> Solution:
         """Return where a start leads; some algorithms count evaluations otherwise or not at all, the recorder does."""
         began = time.perf_counter()
-        projected = self._projected.solve(index, start)
-        recorder = Recorder(self._projected.problem(projected.assignment), TOLERANCE, self._recipe.budget)
+        projected = self._projected.solve(index, start, desired)
+        recorder = Recorder(self._projected.problem(projected.assignment, desired), TOLERANCE, self._recipe.budget)
         program = self._recipe.program(program_from(recorder, projected.x))
         stop = self._recipe.backend.solve(program, self._limits)
         return solution_of(index, projected.x, recorder, stop, recorder.evaluations, began)

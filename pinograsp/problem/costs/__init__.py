@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from ..cost import Cost
 from ..task_model import TaskModel
-from .desired_contacts import DesiredContacts
+from .desired_contacts import desired_contacts
 from .force_cost import ForceCost
 
 COSTS: list[Callable[[TaskModel], Cost | None]] = [
-    DesiredContacts,
+    desired_contacts,
     ForceCost,
 ]
 """Maker of each cost of a task, in the order of their sum; None where the task does not ask for it."""
