@@ -51,7 +51,8 @@ class Pairs(NamedTuple):
     @property
     def tilts(self) -> Array:
         """Angles between the first normal and the opposite of the second, rad, shape (n,)."""
-        return 2.0 * np.arcsin(np.clip(0.5 * np.linalg.norm(self.normals.sum(axis=1), axis=1), 0.0, 1.0))
+        sums = np.linalg.norm(self.normals.sum(axis=1), axis=1)
+        return np.asarray(2.0 * np.arcsin(np.clip(0.5 * sums, 0.0, 1.0)))
 
     @property
     def leans(self) -> Array:
@@ -60,7 +61,7 @@ class Pairs(NamedTuple):
         lengths = np.linalg.norm(across, axis=1)
         along = across / np.where(lengths > 0.0, lengths, 1.0)[:, None]
         cosines = (self.normals * np.stack([along, -along], axis=1)).sum(axis=2)
-        return np.arccos(np.clip(cosines, -1.0, 1.0))
+        return np.asarray(np.arccos(np.clip(cosines, -1.0, 1.0)))
 
 
 def opposite_points(surface: Surface, count: int, rng: np.random.Generator) -> Pairs:

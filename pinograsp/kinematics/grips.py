@@ -46,14 +46,21 @@ class Grips(NamedTuple):
         return np.argsort((self.widths - width) ** 2 + (DIRECTION * turned) ** 2, kind="stable")
 
 
-def grips(robot: Robot) -> Grips:
-    """Return the postures of the hand in which its two pads face each other; flat ones with little tilt."""
+def grips(robot: Robot, lower: Array, upper: Array) -> Grips:
+    """Return postures of the hand in which its two pads face each other; flat ones with little tilt.
+
+    Args:
+        robot: with two pads.
+        lower: bounds of the synergies, rad (m), shape (s,).
+        upper: as well.
+    """
     data, posture = robot.model.createData(), 0.5 * (robot.lower + robot.upper)
     middles = robot.parameter_limits.mean(axis=1)
     local = [patch_point(pad.patch, middles[pad.parameters]) for pad in robot.pads]
     places, outward = np.array([at.point for at in local]), np.array([at.normal for at in local])
     tried, poses = [], []
-    for sigma, _ in synergy_postures(robot):
+    within = [np.clip(sigma, lower, upper) for sigma, _ in synergy_postures(robot)]
+    for sigma in np.unique(within, axis=0):
         posture[robot.arm_size :] = sigma
         configuration = forward(robot, data, posture)
         tried.append(sigma)

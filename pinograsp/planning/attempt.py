@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import Protocol
+
+import numpy as np
 
 from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
@@ -13,31 +15,63 @@ from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..planning.assemble import claim_of, grasp_of
 from ..problem import DesiredPoints, State, TaskModel
+from ..problem.proposals import Candidate
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate
 from ..verification.check import Verifier
 from ..verification.robot import read_robot
 
+TRIED = 3
+"""Pairs of contacts that are proposed to a start, one after the other."""
 
-class Item(NamedTuple):
+
+@dataclass(frozen=True)
+class Item:
     """One start of a plan."""
 
     index: int
     """Its number."""
     posture: Array
     """(q_a, sigma), rad (m), shape (l + s,)."""
-    desired: DesiredPoints | None = None
-    """Points that are proposed to it; None: those that the task desires."""
+    proposed: tuple[DesiredPoints, ...] = ()
+    """Points that are proposed to it, one after the other; none of a task that desires some."""
+
+
+def items_of(model: TaskModel, postures: Array, candidates: Sequence[Candidate]) -> list[Item]:
+    """Return the starts of a plan.
+
+    Each is led to a pair of its own, one after the other, and where that leads nowhere to others that are far from it.
+    The hand is as far open as the first of them needs.
+
+    Args:
+        model: the task.
+        postures: (q_a, sigma), rad (m), shape (n, l + s).
+        candidates: pairs that are proposed; none for a task that desires some points.
+    """
+    if not candidates:
+        return [Item(index, posture) for index, posture in enumerate(postures)]
+    items, pairs = [], [model.desired(candidate.pair.points) for candidate in candidates]
+    steps = sorted({len(pairs) * k // TRIED for k in range(TRIED)})
+    for index, posture in enumerate(postures):
+        own = [(index + step) % len(pairs) for step in steps]
+        items.append(Item(index, opened(model, posture, candidates[own[0]]), tuple(pairs[k] for k in own)))
+    return items
+
+
+def opened(model: TaskModel, posture: Array, candidate: Candidate) -> Array:
+    """Return a posture with the hand as far open as a pair needs."""
+    size = model.robot.arm_size
+    return np.concatenate([posture[:size], np.clip(candidate.holds.synergies, model.lower[size:], model.upper[size:])])
 
 
 class Solver(Protocol):
     """Solves a task from one start after another, such as `solve.LocalSolver`."""
 
-    def solve(self, index: int, start: Array, desired: DesiredPoints | None) -> Solution:
+    def solve(self, index: int, start: Array, proposed: Sequence[DesiredPoints]) -> Solution:
         """Return where the start of a number, posture (q_a, sigma) of shape (l + s,), leads.
 
-        The points are those that are proposed to it; None: those that the task desires.
+        Points that are proposed to it are tried one after the other; without any it has those that the task desires.
         """
 
 
@@ -62,7 +96,7 @@ def attempt(solver: Solver, verifier: Verifier, item: Item) -> Attempt:
         verifier: of the same task.
         item: the start.
     """
-    solution = solver.solve(item.index, item.posture, item.desired)
+    solution = solver.solve(item.index, item.posture, item.proposed)
     alone = replace(solution, state=None)
     if solution.state is None or not solution.feasible:
         return Attempt(alone)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Self
+
+import numpy as np
 
 from ..arrays import Array
 from ..collision.solids import link_bodies
@@ -25,6 +27,7 @@ from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
+from ..problem.proposals import Candidate, ContactPair, Proposals
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -32,7 +35,7 @@ from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
-from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
+from .attempt import Item, attempt, attempts_of, items_of, lost_attempt, opened, require_consistent, verifier_of
 from .bound import least_U
 from .defaults import DEFAULT_STARTS
 from .grading import all_graded, graded
@@ -43,6 +46,8 @@ NEAREST = 400
 """Starts that a search for single grasps tries at most."""
 QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
+PROPOSED = 24
+"""Pairs of contacts that are proposed to starts where a task desires none."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
 
@@ -96,6 +101,7 @@ class Planner:
         self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
+        self._proposed: dict[tuple[str, int], Proposals] = {}
 
     @property
     def robot(self) -> Robot:
@@ -144,9 +150,10 @@ class Planner:
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
+        candidates = self._candidates(task, model, seed)
         run = Run(setup, self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
-        self._evaluate_once(model)
+        self._evaluate_once(model, candidates)
         run.times["prepare"] = time.perf_counter() - began
         try:
             self._workers.begin()
@@ -160,7 +167,8 @@ class Planner:
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
-            with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
+            items = items_of(model, postures, candidates)
+            with closing(self._workers.run(prepare, items, lost=lost_attempt)) as running:
                 for done in running:
                     run.add(done)
                     self._report(run.progress(len(postures)))
@@ -194,18 +202,19 @@ class Planner:
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         check_task(model)
+        candidates = self._candidates(task, model, 0)
         if task not in self._hands:  # neither depends on where objects stand
-            self._evaluate_once(model)
+            self._evaluate_once(model, candidates)
             self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        postures = self._index(model).starts(model, self._hands[task], NEAREST)
+        items = self._nearest(model, self._hands[task], candidates)
         quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
         solver, verifier = LocalSolver(model, quick), verifier_of(model)
         setup = Setup(self._robot.description, self._scene, task)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
-        for index, posture in enumerate(postures):
+        for item in items:
             if deadline is not None and time.perf_counter() - began > deadline:
                 return
-            grasp = attempt(solver, verifier, index, posture).grasp
+            grasp = attempt(solver, verifier, item).grasp
             if grasp is None:
                 continue
             found += 1
@@ -242,6 +251,27 @@ class Planner:
         with compiling(self._report):
             return checked(model, verifier_of(model), joints)
 
+    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> tuple[ContactPair, ...]:
+        """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
+
+        A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
+        proposed. Of two, the first one is farther from those before it; the first of all is near the centre of mass.
+
+        Args:
+            task: name of a task of the scene.
+            seed: of the points that are drawn on the surface.
+            most: number of pairs.
+
+        Raises:
+            InputError: there is no such task, it does not make sense in this scene, the hand has not two pads, or no
+                pair suits; the message says why.
+        """
+        seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
+        check_placement(self._scene, task)
+        model = self._model(task)
+        check_task(model)
+        return tuple(candidate.pair for candidate in self._proposals(task, model, seed).here(model, most))
+
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up
         if task not in self._models:
@@ -250,10 +280,35 @@ class Planner:
             self._models[task] = TaskModel(self._robot, self._scene, task)
         return self._models[task]
 
-    def _evaluate_once(self, model: TaskModel) -> None:
+    def _candidates(self, task: str, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
+        """Return the pairs that are proposed to the starts of a task; none if it desires some points."""
+        if model.task.desired_contacts is not None:
+            return ()
+        return self._proposals(task, model, seed).here(model, PROPOSED)
+
+    def _proposals(self, task: str, model: TaskModel, seed: int) -> Proposals:
+        if (task, seed) not in self._proposed:  # they do not depend on where objects stand
+            self._proposed[task, seed] = Proposals(model, seed)
+        return self._proposed[task, seed]
+
+    def _nearest(self, model: TaskModel, hand: HeldHand, candidates: Sequence[Candidate]) -> list[Item]:
+        """Return the starts whose hand is nearest to the object, the most promising first."""
+        if not candidates:
+            return items_of(model, self._index(model).starts(model, hand, model.desired_points[None], NEAREST), ())
+        pairs = [model.desired(candidate.pair.points) for candidate in candidates]
+        points = np.array([pair.points for pair in pairs])
+        postures = self._index(model).starts(model, hand, points, NEAREST)
+        own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
+        return [
+            Item(index, opened(model, posture, candidates[k]), (pairs[k],))
+            for index, (posture, k) in enumerate(zip(postures, own, strict=True))
+        ]
+
+    def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
+        desired = model.desired(candidates[0].pair.points) if candidates else None
         with compiling(self._report):
-            problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+            problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))
 
     def _index(self, model: TaskModel) -> StartIndex:

@@ -40,8 +40,8 @@ def check_task(model: TaskModel) -> list[str]:
     """Refuse a task that cannot be meant with its robot; return what is odd about it, in words.
 
     Raises:
-        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough, or no
-            contact can be made in the contact region.
+        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough for them,
+            or no contact can be made in the contact region.
     """
     pads = len(model.robot.description.pads)
     if model.task.desired_contacts is not None and len(model.desired_points) != pads:
@@ -51,7 +51,8 @@ def check_task(model: TaskModel) -> list[str]:
             key=f"tasks.{model.task_name}.desired_contacts",
             remedy="Give one for each pad",
         )
-    _jaw_wide_enough(model)
+    if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
+        _jaw_wide_enough(model)
     return check_region(model)
 
 

@@ -8,6 +8,7 @@ the two that stay.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -143,11 +144,11 @@ class RecipeSolver:
             seconds=SECONDS,
         )
 
-    def solve(self, index: int, start: np.ndarray, desired: DesiredPoints | None = None) -> Solution:
+    def solve(self, index: int, start: np.ndarray, proposed: Sequence[DesiredPoints] = ()) -> Solution:
         """Return where a start leads; some algorithms count evaluations otherwise or not at all, the recorder does."""
         began = time.perf_counter()
-        projected = self._projected.solve(index, start, desired)
-        recorder = Recorder(self._projected.problem(projected.assignment, desired), TOLERANCE, self._recipe.budget)
+        projected = self._projected.solve(index, start, proposed)
+        recorder = Recorder(self._projected.problem(projected.assignment), TOLERANCE, self._recipe.budget)
         program = self._recipe.program(program_from(recorder, projected.x))
         stop = self._recipe.backend.solve(program, self._limits)
         return solution_of(index, projected.x, recorder, stop, recorder.evaluations, began)
