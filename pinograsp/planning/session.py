@@ -37,7 +37,7 @@ from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
 from .attempt import Item, attempt, attempts_of, items_of, lost_attempt, opened, require_consistent, verifier_of
 from .bound import least_U
-from .defaults import DEFAULT_STARTS
+from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
 from .outcomes import Run
 from .own_configuration import Configuration, checked
@@ -46,8 +46,6 @@ NEAREST = 400
 """Starts that a search for single grasps tries at most."""
 QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
-PROPOSED = 24
-"""Pairs of contacts that are proposed to starts where a task desires none."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
 
