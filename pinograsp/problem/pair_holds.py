@@ -26,8 +26,8 @@ TURNS = 8
 """Of the hand about the normal."""
 PLACES = (0.0, -1.0, 1.0)
 """Of the contact on a pad, between the ends of each parameter; the middle is tried first."""
-SPACING = 0.005
-"""Of the points at which a pad is looked at, m."""
+SPACING, FINE = 0.005, 0.002
+"""Of the points at which a pad is looked at, m; the fine one for footprints that a contact region is to hold."""
 SLACK = 0.003
 """How far off its pad the second contact may be where the first one is given, m: the table of grips is coarse."""
 RUBBER = 0.001
@@ -62,7 +62,8 @@ class HoldFinder:
         self._model = model
         self._grips = _free_grips(model)
         own = [model.parameter_limits[pad.parameters] for pad in model.robot.pads]
-        self._outlines = tuple(_outline(pad, limits) for pad, limits in zip(model.robot.pads, own, strict=True))
+        spacing = SPACING if model.region is None else FINE
+        self._outlines = tuple(_outline(*pad, spacing) for pad in zip(model.robot.pads, own, strict=True))
         self._limits = own[0]
         widths = self._grips.widths
         self.narrowest, self.widest = float(widths.min()), float(widths.max())
@@ -152,14 +153,14 @@ class _Outline(NamedTuple):
     """In the finger, shape (j, 3)."""
 
 
-def _outline(pad: Pad, limits: Array) -> _Outline:
+def _outline(pad: Pad, limits: Array, spacing: float) -> _Outline:
     """Return the points of a pad; of a round one the middle counts."""
     patch, middle = pad.patch, patch_point(pad.patch, limits.mean(axis=1))
     rectangle, face = None, middle.point[None]
     if isinstance(patch, PlanePatch | LinePatch):
         across = patch.v if isinstance(patch, PlanePatch) else (-0.5 * patch.width, 0.5 * patch.width)
         rectangle = np.array([patch.u, across])
-        x, y = (np.linspace(low, high, math.ceil((high - low) / SPACING) + 1) for low, high in rectangle)
+        x, y = (np.linspace(low, high, math.ceil((high - low) / spacing) + 1) for low, high in rectangle)
         face = np.array([[u, v, 0.0] for u, v in itertools.product(x, y)])
     behind = np.concatenate([face - depth * middle.normal for depth in BEHIND])
     return _Outline(middle.point, rectangle, face, behind)

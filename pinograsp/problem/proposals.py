@@ -56,7 +56,7 @@ class ContactPair(Record):
     points: Array
     """On the object's surface, in its frame, m, shape (2, 3); a task's `desired_contacts` may be these."""
     normals: Array
-    """Outward unit normals there, object's frame, shape (2, 3)."""
+    """Outward normals there, unit vectors, object's frame, shape (2, 3)."""
     width: float
     """How far apart the pads are that hold it, m."""
 
