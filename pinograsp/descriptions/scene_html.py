@@ -21,7 +21,7 @@ def scene_html(scene: Scene) -> str:
         for name, body in named.items()
     ]
     tasks = [
-        notebook.row((name, task.object, _in_brackets(task.wrench.force), f"{task.contact.friction:g}"))
+        notebook.row((name, task.object, _in_brackets(scene.wrench_of(task).force), f"{task.contact.friction:g}"))
         for name, task in scene.tasks.items()
     ]
     caption = f"Scene {scene.name}: enclosure from {low} to {high} m"

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, model_validator
 
 from .kinds import Kinds
 from .model import Frozen
+from .pose import ZERO
 from .values import NotNegative, Positive, listed, wrong
 
 
@@ -19,6 +20,11 @@ class ShapeDescription(Frozen):
     """A convex shape in its own frame; each class narrows `type` to its name."""
 
     type: str
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the shape filled evenly, in its own frame, m."""
+        return ZERO
 
 
 class Sphere(ShapeDescription):
@@ -73,6 +79,13 @@ class Cone(ShapeDescription):
         if self.bottom_radius == self.top_radius == 0.0:
             raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
         return self
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
+        wider = max(self.bottom_radius, self.top_radius)
+        bottom, top = self.bottom_radius / wider, self.top_radius / wider
+        return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
 
 
 class Ellipsoid(ShapeDescription):

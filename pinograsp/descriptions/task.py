@@ -114,8 +114,11 @@ class Task(Frozen):
     """
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
-    wrench: Wrench
-    """External force, N, and torque, N m, that the contacts are to balance, world."""
+    wrench: Wrench | None = None
+    """External force, N, and torque, N m, that the contacts are to balance, world; all of it, the weight included.
+
+    By default the weight of the object: its mass times the gravity of the scene, at its centre of mass.
+    """
     contact: ContactConstants
     """Friction, and limits of the contact forces, N."""
     force_weight: NotNegative = 1.0

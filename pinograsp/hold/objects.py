@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import Task
-from ..descriptions.scene import Object
+from ..descriptions import Scene, Task
 from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
 from ..errors import InputError, TaskError
-from ..verification.resistance import mass_of
 
 
 class ObjectBody(NamedTuple):
@@ -56,15 +54,14 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     return BODIES[type(shape)](shape)
 
 
-def required_mass(body: Object, task: Task) -> float:
+def required_mass(scene: Scene, task: Task) -> float:
     """Return the mass of the object, kg.
 
     Raises:
-        TaskError: the object has no mass and the task no force that would tell.
+        TaskError: the object has no mass, and the task no force, or the scene no gravity, that would tell.
     """
-    mass = mass_of(body, task)
+    mass = scene.mass_of(task)
     if mass is None:
-        raise TaskError(
-            "is not given, and the task has no external force that would tell", key=f"objects.{task.object}.mass"
-        )
+        problem = "is not given, and the task has no external force, or the scene no gravity, that would tell"
+        raise TaskError(problem, file=scene.source, key=f"objects.{task.object}.mass", remedy="Give it in kg")
     return mass

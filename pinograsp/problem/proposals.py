@@ -191,7 +191,7 @@ class Proposals:
         if not some:
             return []
         points = np.array([candidate.pair.points for candidate in some])
-        center = np.array(self._model.scene.objects[self._model.task.object].center_of_mass)
+        center = np.array(self._model.scene.objects[self._model.task.object].center_of_mass_object)
         order = [int(np.linalg.norm(points.mean(axis=1) - center, axis=1).argmin())]
         gaps = _gaps(points, order[0])
         while len(order) < min(KEPT, len(some)):

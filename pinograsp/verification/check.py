@@ -25,7 +25,7 @@ from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
-from .resistance import Hold, drive_torques, hold_of, is_graded, mass_of, resistance_figures, with_resistance
+from .resistance import Hold, drive_torques, hold_of, is_graded, resistance_figures, with_resistance
 from .robot import read_robot
 from .shapes import PlacedShape
 from .shapes.core import PENETRATION
@@ -71,7 +71,7 @@ class Verifier:
         self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
         self._center_of_mass = body.center_of_mass_world
-        self._mass = mass_of(body, self._task)
+        self._wrench, self._mass = scene.wrench_of(self._task).vector, scene.mass_of(self._task)
         if self._task.withstand is not None and self._mass is None:
             key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
             raise TaskError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
@@ -111,8 +111,8 @@ class Verifier:
     def resistance(self, claim: Claim) -> tuple[Figure, ...]:
         """Compute how strongly the object may be accelerated, Q_force and Q_torque in m/s^2 (see `resistance`).
 
-        None of them if neither the object nor the task's force gives a mass. `certify` has them in every certificate,
-        `check` only if the task says what is to be withstood.
+        None of them if neither the object nor the weight of the task's force gives a mass. `certify` has them in every
+        certificate, `check` only if the task says what is to be withstood.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
@@ -253,9 +253,13 @@ class Verifier:
             *contact_figures(claim.points, inward, pads, self._target),
             *self._region(claim.points, inward, pads),
             *rim_figures(claim.points, pads, self._target, self._task.reserve.rim),
-            *balance_figures(claim, pads.nearest(claim.points)[1], self._center_of_mass, radius, self._task),
+            *self._balance(claim, pads, radius),
             *force_figures(claim, inward, self._pads, self._task),
         ]
+
+    def _balance(self, claim: Claim, pads: Pads, radius: float) -> list[Figure]:
+        normals, balanced = pads.nearest(claim.points)[1], self._task.balance_wrench
+        return balance_figures(claim, normals, self._center_of_mass, radius, self._wrench, balanced=balanced)
 
     def _region(self, points: Array, inward: Array, pads: Pads) -> list[Figure]:
         region = self._task.contact_region

@@ -36,7 +36,6 @@ import numpy as np
 
 from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
-from ..descriptions.scene import Object
 from ..descriptions.task import Task
 from .balance import BalanceProblem, ContactPoints, Limits
 from .certificate import Certificate, Figure
@@ -52,7 +51,6 @@ CORNERS = 8
 """Most points of a footprint."""
 MOST = 1e4
 """Largest value of the figures, m/s^2: where friction locks the fingers nothing bounds them."""
-STANDARD_GRAVITY = 9.80665
 _DIRECTIONS = np.vstack([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
 _NAMES = ("+x", "-x", "+y", "-y", "+z", "-z")
 
@@ -65,14 +63,6 @@ class Hold:
     """The wrenches that its contacts balance while the squeeze stays as planned."""
     load: Array
     """The wrench on the object that the planned forces balance: force and torque about the centre of mass, (6,)."""
-
-
-def mass_of(body: Object, task: Task) -> float | None:
-    """Return the mass of an object, kg: its own, or what the task's force weighs; None if that is nothing."""
-    if body.mass is not None:
-        return float(body.mass)
-    weight = float(np.linalg.norm(task.wrench.vector[:3]))
-    return weight / STANDARD_GRAVITY if weight > 0.0 else None
 
 
 def hold_of(

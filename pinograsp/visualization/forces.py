@@ -21,7 +21,7 @@ DESIRED_RADIUS = 0.005
 
 def draw_forces(viewer: Visualizer, grasp: Grasp, scene: Scene, task: Task) -> None:
     """Draw what acts on the object below the nodes `contacts` and `wrench`; one scale for all arrows."""
-    weight = np.array(task.wrench.force)
+    weight = np.array(scene.wrench_of(task).force)
     scale = arrow_scale([weight, *(contact.force for contact in grasp.contacts)])
     for contact in grasp.contacts:
         draw_contact(viewer["contacts"][contact.pad], contact, task.contact.friction, scale)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import coal
@@ -9,6 +10,7 @@ import numpy as np
 import trimesh
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Sphere
 from ..contact_faces import ContactFace, Spot
 from ..tessellation import Tessellation, tessellation_of
@@ -26,14 +28,7 @@ class SphereSurface:
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient p / |p| and Hessian (I - n n^T) / |p|."""
-        norm = np.sqrt((points * points).sum(axis=1))
-        centred = norm == 0.0
-        if centred.any():
-            points = np.where(centred[:, None], [1.0, 0.0, 0.0], points)
-        length = np.where(centred, 1.0, norm)
-        normals = points / length[:, None]
-        hessians = (np.eye(3) - normals[:, :, None] * normals[:, None, :]) / length[:, None, None]
-        return norm - self.radius, normals, hessians
+        return _signed_distance(points, self.radius)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return a spot."""
@@ -50,3 +45,19 @@ class SphereSurface:
     def tessellation(self) -> Tessellation:
         """Return an icosahedron whose triangles are halved `SUBDIVISIONS` times; its corners lie on the ball."""
         return tessellation_of(trimesh.creation.icosphere(subdivisions=SUBDIVISIONS, radius=self.radius))
+
+
+@compiled
+def _signed_distance(points: Array, radius: float) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, normals, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        x, y, z = points[i]
+        length = math.sqrt(x * x + y * y + z * z)
+        distances[i] = length - radius
+        normals[i] = (x / length, y / length, z / length) if length > 0.0 else (1.0, 0.0, 0.0)
+        for j in range(3):
+            for k in range(3):
+                across = (1.0 if j == k else 0.0) - normals[i, j] * normals[i, k]
+                hessians[i, j, k] = across / length if length > 0.0 else across
+    return distances, normals, hessians
