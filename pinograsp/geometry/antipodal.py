@@ -1,8 +1,9 @@
 """Pairs of opposite points of a surface: where two pads that face each other can touch it.
 
-One point of a pair is drawn by area. A ray along the inward normal there leads through the body to the other one, which
-then slides to where its normal is the opposite one, as far as the surface bends: on a ball it is there already, on an
-ellipsoid it goes to the other end of the diameter, on a flat face it stays.
+One point of a pair is drawn by area. A ray along the inward normal there leads through the body to the other one: where
+it leaves the body for the first time, or for the last. That one then slides to where its normal is the opposite one, as
+far as the surface bends: on a ball it is there already, on an ellipsoid it goes to the other end of the diameter, on a
+flat face it stays.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class Pairs(NamedTuple):
 
 
 def opposite_points(surface: Surface, count: int, rng: np.random.Generator) -> Pairs:
-    """Return pairs whose first points are spread over a surface by area; up to `count` of them.
+    """Return pairs whose first points are spread over a surface by area; up to two for each.
 
     Args:
         surface: closed.
@@ -73,15 +74,11 @@ def opposite_points(surface: Surface, count: int, rng: np.random.Generator) -> P
         rng: what is drawn from.
     """
     first = _on_surface(surface, drawn(surface.tessellation(), count, rng))
-    normals = outward(surface, first)
-    second, left = _through(surface, first, -normals)
-    first, normals, second = first[left], normals[left], _slid(surface, second[left], -normals[left])
-    return Pairs(np.stack([first, second], axis=1), np.stack([normals, outward(surface, second)], axis=1))
-
-
-def outward(surface: Surface, points: Array) -> Array:
-    """Return the outward unit normals that a pad feels at points of a surface, shape (n, 3)."""
-    return surface.signed_distance(points)[1]
+    normals = surface.signed_distance(first)[1]
+    second, rays = _through(surface, first, -normals)
+    first, normals = first[rays], normals[rays]
+    second = _slid(surface, second, -normals)
+    return Pairs(np.stack([first, second], axis=1), np.stack([normals, surface.signed_distance(second)[1]], axis=1))
 
 
 def drawn(tessellation: Tessellation, count: int, rng: np.random.Generator) -> Array:
@@ -104,33 +101,46 @@ def _on_surface(surface: Surface, points: Array) -> Array:
 
 
 def _through(surface: Surface, points: Array, inward: Array) -> tuple[Array, Indices]:
-    """Return where rays from points leave the body, shape (n, 3), and which do so within its size."""
-    inside, beyond = np.full(len(points), BEGIN), np.full(len(points), np.nan)
+    """Return where rays from points leave the body, first and last, shape (m, 3), and the ray of each, shape (m,).
+
+    Through the wall of a mug, and through both of its walls and what is between them.
+    """
+    at, was_inside = np.full(len(points), BEGIN), np.ones(len(points), dtype=bool)
+    brackets = np.full((2, 2, len(points)), np.nan)  # of the first and of the last way out: before it and after it
     going = np.arange(len(points))
+    distances = _along(surface, points, inward, at)
     while len(going):
-        steps = np.abs(surface.signed_distance(points[going] + inside[going, None] * inward[going])[0])
-        further = inside[going] + np.maximum(steps, LEAST_STEP)
-        out = surface.signed_distance(points[going] + further[:, None] * inward[going])[0] >= 0.0
-        beyond[going[out]] = further[out]
-        inside[going[~out]] = further[~out]
-        going = going[~out & (further < LONGEST_RAY * surface.radius)]
+        further = at[going] + np.maximum(np.abs(distances), LEAST_STEP)
+        distances = _along(surface, points[going], inward[going], further)
+        out = was_inside[going] & (distances >= 0.0)
+        brackets[1][:, going[out]] = at[going[out]], further[out]
+        first = going[out & np.isnan(brackets[0, 0, going])]
+        brackets[0][:, first] = brackets[1][:, first]
+        at[going], was_inside[going] = further, distances < 0.0
+        left = further < LONGEST_RAY * surface.radius
+        going, distances = going[left], distances[left]
+    second = brackets[1, 0] > brackets[0, 0]  # not where there is one way out
+    rays = np.concatenate([np.flatnonzero(~np.isnan(brackets[0, 0])), np.flatnonzero(second)])
+    inside, beyond = np.concatenate([brackets[0][:, ~np.isnan(brackets[0, 0])], brackets[1][:, second]], axis=1)
     for _ in range(HALVINGS):
         middle = 0.5 * (inside + beyond)
-        known = np.isfinite(middle)
-        out = surface.signed_distance(points[known] + middle[known, None] * inward[known])[0] >= 0.0
-        beyond[known] = np.where(out, middle[known], beyond[known])
-        inside[known] = np.where(out, inside[known], middle[known])
-    left = np.flatnonzero(np.isfinite(beyond))
-    return points + inside[:, None] * inward, left
+        out = _along(surface, points[rays], inward[rays], middle) >= 0.0
+        inside, beyond = np.where(out, inside, middle), np.where(out, middle, beyond)
+    return points[rays] + inside[:, None] * inward[rays], rays
+
+
+def _along(surface: Surface, points: Array, directions: Array, lengths: Array) -> Array:
+    """Return the signed distances of points on rays, m, shape (n,)."""
+    return surface.signed_distance(points + lengths[:, None] * directions)[0]
 
 
 def _slid(surface: Surface, points: Array, wanted: Array) -> Array:
     """Return points that have slid over a surface to where its normals are those wanted, as far as it bends."""
     points = _on_surface(surface, points)
     for _ in range(SLIDES):
-        _, normals, hessians = surface.signed_distance(points)
-        squares = hessians @ hessians + FLAT**2 * np.eye(3)
-        slides = np.linalg.solve(squares, hessians @ (wanted - normals)[:, :, None])[:, :, 0]
+        _, normals, slopes = surface.signed_distance(points)
+        squares = slopes.transpose(0, 2, 1) @ slopes + FLAT**2 * np.eye(3)
+        slides = np.linalg.solve(squares, slopes.transpose(0, 2, 1) @ (wanted - normals)[:, :, None])[:, :, 0]
         lengths = np.linalg.norm(slides, axis=1)[:, None]
         slides *= np.minimum(1.0, LONGEST_SLIDE / np.maximum(lengths, LONGEST_SLIDE))
         points = _on_surface(surface, points + slides)

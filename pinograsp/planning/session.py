@@ -293,7 +293,7 @@ class Planner:
         """Return the starts whose hand is nearest to the object, the most promising first."""
         if not candidates:
             return items_of(model, self._index(model).starts(model, hand, model.desired_points[None], NEAREST), ())
-        pairs = [model.desired(candidate.pair.points) for candidate in candidates]
+        pairs = [candidate.desired(model) for candidate in candidates]
         points = np.array([pair.points for pair in pairs])
         postures = self._index(model).starts(model, hand, points, NEAREST)
         own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
@@ -304,7 +304,7 @@ class Planner:
 
     def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
-        desired = model.desired(candidates[0].pair.points) if candidates else None
+        desired = candidates[0].desired(model) if candidates else None
         with compiling(self._report):
             problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))

@@ -13,4 +13,7 @@ class DesiredPoints(NamedTuple):
     points: Array
     """World, m, shape (n, 3)."""
     normals: Array
-    """Outward normals of the flat faces that the points are on; zero on curved parts, shape (n, 3)."""
+    """Outward normals of the surface there that pads are to look at; zero where any will do, shape (n, 3).
+
+    Of the desired contacts of a task those on flat faces have one, of points that are proposed all.
+    """

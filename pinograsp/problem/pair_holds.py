@@ -19,6 +19,7 @@ from ..errors import TaskError
 from ..geometry.antipodal import Pairs
 from ..geometry.patches import patch_point
 from ..kinematics.grips import Grips, grips
+from ..kinematics.hand_posture import always_parallel
 from ..kinematics.robot import Pad
 from .task_model import TaskModel
 
@@ -38,6 +39,8 @@ BEHIND = (0.003, 0.008)
 """How far behind the face of a pad the finger is looked at, m."""
 WRIST = (0.8, 1.0)
 """Where between pads and wrist the hand is looked at."""
+FINGER, FINGER_SPACING = 0.5, 0.003
+"""Share of the way back to the wrist that fingers of a jaw go straight; spacing at which they are looked at, m."""
 
 
 class Holds(NamedTuple):
@@ -49,6 +52,8 @@ class Holds(NamedTuple):
     """Points in the fingers and in the wrist, m, shape (ways, k, 3)."""
     approaches: Array
     """The wrist's z axis, shape (ways, 3)."""
+    central: bool
+    """Whether the contact is in the middle of the first pad."""
 
 
 class HoldFinder:
@@ -65,6 +70,8 @@ class HoldFinder:
         spacing = SPACING if model.region is None else FINE
         self._outlines = tuple(_outline(*pad, spacing) for pad in zip(model.robot.pads, own, strict=True))
         self._limits = own[0]
+        self.parallel = always_parallel(model.robot)
+        """Whether the hand is a jaw whose pads stay parallel."""
         widths = self._grips.widths
         self.narrowest, self.widest = float(widths.min()), float(widths.max())
         """Least and greatest distance of the pads, m."""
@@ -79,7 +86,7 @@ class HoldFinder:
             faces, probes, approaches = self._ways(pair, grip, np.array(place))
             fit = self._fit(faces, probes) if len(faces) else np.zeros(0, dtype=bool)
             if fit.any():
-                return Holds(grip.synergies[0], probes[fit], approaches[fit])
+                return Holds(grip.synergies[0], probes[fit], approaches[fit], not any(place))
         return None
 
     def _ways(self, pair: Pairs, grip: Grips, place: Array) -> tuple[Array, Array, Array]:
@@ -107,7 +114,12 @@ class HoldFinder:
         faces = np.concatenate([_placed(R, p, own.face), _placed(R_other, p_other, other.face)], axis=1)
         middles = points.mean(axis=1)[:, None]
         wrists = middles + np.array(WRIST)[:, None] * (_placed(R, p, to_wrist[None, :3, 3]) - middles)
-        probes = [_placed(R, p, own.behind), _placed(R_other, p_other, other.behind), wrists]
+        back = -(R @ to_wrist[:3, 2])[:, None]
+        length = FINGER * float(np.linalg.norm(to_wrist[:3, 3] - own.middle)) if self.parallel else 0.0
+        steps = np.arange(0.0, length, FINGER_SPACING)[:, None]
+        roots = _placed(R, p, own.root[None]), _placed(R_other, p_other, other.root[None])
+        fingers = [root + steps * back for root in roots]
+        probes = [_placed(R, p, own.behind), _placed(R_other, p_other, other.behind), *fingers, wrists]
         return faces[there], np.concatenate(probes, axis=1)[there], (R @ to_wrist[:3, 2])[there]
 
     def _fit(self, faces: Array, probes: Array) -> Mask:
@@ -151,6 +163,8 @@ class _Outline(NamedTuple):
     """Shape (k, 3)."""
     behind: Array
     """In the finger, shape (j, 3)."""
+    root: Array
+    """In the middle of the finger, shape (3,)."""
 
 
 def _outline(pad: Pad, limits: Array, spacing: float) -> _Outline:
@@ -163,7 +177,7 @@ def _outline(pad: Pad, limits: Array, spacing: float) -> _Outline:
         x, y = (np.linspace(low, high, math.ceil((high - low) / spacing) + 1) for low, high in rectangle)
         face = np.array([[u, v, 0.0] for u, v in itertools.product(x, y)])
     behind = np.concatenate([face - depth * middle.normal for depth in BEHIND])
-    return _Outline(middle.point, rectangle, face, behind)
+    return _Outline(middle.point, rectangle, face, behind, middle.point - BEHIND[-1] * middle.normal)
 
 
 def _placed(R: Array, p: Array, points: Array) -> Array:

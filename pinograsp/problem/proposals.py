@@ -29,8 +29,8 @@ from ..frozen import Record
 from ..geometry.antipodal import Pairs, opposite_points
 from ..geometry.contact_faces import edge_distance
 from ..geometry.shapes import surface_of
-from ..kinematics.hand_posture import always_parallel
 from ..kinematics.reach import arm_reach
+from .desired import DesiredPoints
 from .pair_holds import TURNS, HoldFinder, Holds
 from .task_model import TaskModel
 
@@ -45,7 +45,8 @@ PARALLEL = math.radians(0.5)
 ROOM = 0.006
 """Pairs nearer than this to an edge are proposed only if no other one can be got at, m.
 
-From there contacts slide over the edge: of starts that are led to such pairs half fail.
+From there contacts slide over the edge: of starts that are led to such pairs half fail. So do those that fit at
+the rim of a pad alone.
 """
 
 
@@ -67,7 +68,12 @@ class Candidate(NamedTuple):
     pair: ContactPair
     holds: Holds
     roomy: bool
-    """Whether it is far from edges."""
+    """Whether it is far from edges, and may be in the middle of a pad."""
+
+    def desired(self, model: TaskModel) -> DesiredPoints:
+        """Return the points, and that pads are to look at them, where the object of a task stands."""
+        R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+        return DesiredPoints(self.pair.points @ R.T + origin, self.pair.normals @ R.T)
 
 
 class Proposals:
@@ -91,7 +97,6 @@ class Proposals:
                 remedy="Give a desired contact for each pad, or name two of them in `pads`",
             )
         self._model = model
-        self._parallel = always_parallel(model.robot)
         self._finder = HoldFinder(model)
         found = self._found(np.random.default_rng(seed))
         self.candidates = tuple(c for roomy in (True, False) for c in self._spread(found, roomy))
@@ -129,14 +134,14 @@ class Proposals:
                 reason = pairs
                 continue
             rooms = self._rooms(pairs)
-            for number in np.flatnonzero(rooms >= self._model.task.reserve.rim).tolist():
+            for number in rng.permutation(np.flatnonzero(rooms >= self._model.task.reserve.rim)).tolist():
                 pair, roomy = pairs.at(np.array([number])), bool(rooms[number] >= ROOM)
                 if tried[roomy] < LOOKED_AT:
                     tried[roomy] += 1
                     holds = self._finder.holds(pair)
                     if holds is not None:
                         record = ContactPair(pair.points[0], pair.normals[0], float(pair.widths[0]))
-                        found.append(Candidate(record, holds, roomy))
+                        found.append(Candidate(record, holds, roomy and holds.central))
             if tried[True] == LOOKED_AT:
                 break
         if any(tried.values()):
@@ -157,7 +162,7 @@ class Proposals:
         """Return the pairs that normals, jaw and region allow, or what keeps all of them out."""
         model, narrowest, widest = self._model, self._finder.narrowest, self._finder.widest
         opposite = pairs.leans.max(axis=1) <= math.atan(model.task.contact.friction)
-        if self._parallel:
+        if self._finder.parallel:
             opposite &= pairs.tilts <= PARALLEL
         pairs = pairs.at(np.flatnonzero(opposite))
         if not len(pairs.points):

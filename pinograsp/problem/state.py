@@ -48,7 +48,7 @@ class State:
 
     @property
     def desired_normals(self) -> Array:
-        """Outward normal of the flat face that the desired point of every pad is on; zero if it is curved, (n, 3)."""
+        """Outward normal of the surface that every pad is to look at; zero if any will do, shape (n, 3)."""
         return self._desired.normals
 
     @cached_property

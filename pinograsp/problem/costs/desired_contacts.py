@@ -34,7 +34,7 @@ class DesiredContacts(Cost, Projected):
         return 1e6 * float(values @ values), 2e6 * values @ jacobian
 
     def facings(self, state: State) -> Residual:
-        """Return n_pad + n of the flat face that the pad's desired point is on, dimensionless, shape (3 n,)."""
+        """Return n_pad + n of what each pad is to look at, dimensionless, shape (3 n,)."""
         flat = np.any(state.desired_normals, axis=1)
         values = np.where(flat[:, None], state.contacts.normals + state.desired_normals, 0.0)
         jacobian = np.where(flat[:, None, None], state.contacts.d_normals, 0.0)
