@@ -28,6 +28,7 @@ from .descriptions.regions import Cuboid as Cuboid
 from .descriptions.regions import HalfSpace as HalfSpace
 from .descriptions.regions import Near as Near
 from .descriptions.regions import Outside as Outside
+from .descriptions.regions import Painted as Painted
 from .descriptions.regions import Sector as Sector
 from .descriptions.robot import RobotDescription as RobotDescription
 from .descriptions.scene import Body as Body
@@ -37,9 +38,12 @@ from .descriptions.scene import Scene as Scene
 from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box
 from .descriptions.shapes import Capsule as Capsule
+from .descriptions.shapes import Compound as Compound
 from .descriptions.shapes import Cone as Cone
 from .descriptions.shapes import Cylinder as Cylinder
 from .descriptions.shapes import Ellipsoid as Ellipsoid
+from .descriptions.shapes import Mesh as Mesh
+from .descriptions.shapes import Part as Part
 from .descriptions.shapes import Sphere as Sphere
 from .descriptions.task import ApproachCone as ApproachCone
 from .descriptions.task import ContactConstants as ContactConstants

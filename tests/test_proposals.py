@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import meshes
 import numpy as np
 import pytest
 from conftest import Run
@@ -35,6 +36,7 @@ from pinograsp import (
     TaskError,
     UnknownNameError,
 )
+from pinograsp.descriptions.shapes import Mesh
 from pinograsp.geometry.antipodal import drawn, opposite_points
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.grips import grips
@@ -358,3 +360,25 @@ def test_a_page_needs_pairs_and_an_object(glovebox: Scene, gen3: Robot, tmp_path
         pinograsp.visualization.write_contacts_html((), glovebox, "sphere", file)
     with pytest.raises(UnknownNameError, match="Did you mean sphere"):
         pinograsp.visualization.write_contacts_html(pairs, glovebox, "spher", file)
+
+
+# ---- meshes
+
+
+def test_a_fine_mesh_has_pairs_as_its_shape(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
+    box = meshes.written(meshes.box((-0.025, -0.03, -0.04), (0.025, 0.03, 0.04)), tmp_path / "box.stl")
+    pairs = proposed(gen3, holding(glovebox, Mesh(file=box, unit="m")))
+    sides = {"xyz"[int(np.abs(pair.normals[0]).argmax())] for pair in pairs}
+    assert sides == set("xyz")
+    for pair in pairs:
+        size = {"x": 0.05, "y": 0.06, "z": 0.08}["xyz"[int(np.abs(pair.normals[0]).argmax())]]
+        assert pair.width == pytest.approx(size, abs=0.002)
+        assert math.acos(float(-pair.normals[0] @ pair.normals[1])) < math.radians(6.4)
+
+
+def test_a_cup_is_held_across_both_walls(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
+    """A pad is too wide for one of them, and with a finger inside, at the bottom, the hand would be in the other."""
+    hollow = meshes.cylinder(0.017, 0.005, 0.05)
+    cup = meshes.written(meshes.cylinder(0.02, 0.0, 0.04).difference(hollow, engine="manifold"), tmp_path / "cup.stl")
+    pairs = proposed(gen3, holding(glovebox, Mesh(file=cup, unit="m")), most=8)
+    assert {round(1e3 * pair.width) for pair in pairs} == {40}

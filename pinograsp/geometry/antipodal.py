@@ -3,7 +3,7 @@
 One point of a pair is drawn by area. A ray along the inward normal there leads through the body to the other one: where
 it leaves the body for the first time, or for the last. That one then slides to where its normal is the opposite one, as
 far as the surface bends: on a ball it is there already, on an ellipsoid it goes to the other end of the diameter, on a
-flat face it stays.
+flat face it stays. Normals are those that a pad feels.
 """
 
 from __future__ import annotations
@@ -74,11 +74,11 @@ def opposite_points(surface: Surface, count: int, rng: np.random.Generator) -> P
         rng: what is drawn from.
     """
     first = _on_surface(surface, drawn(surface.tessellation(), count, rng))
-    normals = surface.signed_distance(first)[1]
+    normals = surface.footprint(first)[0]
     second, rays = _through(surface, first, -normals)
     first, normals = first[rays], normals[rays]
     second = _slid(surface, second, -normals)
-    return Pairs(np.stack([first, second], axis=1), np.stack([normals, surface.signed_distance(second)[1]], axis=1))
+    return Pairs(np.stack([first, second], axis=1), np.stack([normals, surface.footprint(second)[0]], axis=1))
 
 
 def drawn(tessellation: Tessellation, count: int, rng: np.random.Generator) -> Array:
@@ -138,7 +138,7 @@ def _slid(surface: Surface, points: Array, wanted: Array) -> Array:
     """Return points that have slid over a surface to where its normals are those wanted, as far as it bends."""
     points = _on_surface(surface, points)
     for _ in range(SLIDES):
-        _, normals, slopes = surface.signed_distance(points)
+        normals, slopes = surface.footprint(points)
         squares = slopes.transpose(0, 2, 1) @ slopes + FLAT**2 * np.eye(3)
         slides = np.linalg.solve(squares, slopes.transpose(0, 2, 1) @ (wanted - normals)[:, :, None])[:, :, 0]
         lengths = np.linalg.norm(slides, axis=1)[:, None]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, real_array
+from ..arrays import Array, Numbers, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
 from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
@@ -27,7 +27,7 @@ If the task has none, it is as near to the middle of its pad as it can.
 """
 
 
-Configuration = Mapping[str, float] | Sequence[float] | Array
+Configuration = Mapping[str, float] | Numbers
 """Values by the names of arm joints and synergies, or in their order, rad (m)."""
 
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Self
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
@@ -35,11 +36,21 @@ from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
-from .attempt import Item, attempt, attempts_of, items_of, lost_attempt, opened, require_consistent, verifier_of
+from .attempt import (
+    Attempt,
+    Item,
+    attempt,
+    attempts_of,
+    items_of,
+    lost_attempt,
+    opened,
+    require_consistent,
+    verifier_of,
+)
 from .bound import least_U
 from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
-from .outcomes import Run
+from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
 
 NEAREST = 400
@@ -48,6 +59,27 @@ QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Where a search for single grasps ends."""
+
+    most: int | None
+    """Number of grasps."""
+    end: float
+    """On the clock `time.perf_counter`, s."""
+
+    @classmethod
+    def of(cls, most: int | None, deadline: float | None) -> _Limits:
+        """Return limits from now on.
+
+        Raises:
+            InputError: a number is out of range.
+        """
+        most = None if most is None else whole_number("most", most, 1)
+        seconds = math.inf if deadline is None else real_number("deadline", deadline, 0.0)
+        return cls(most, time.perf_counter() + seconds)
 
 
 class Planner:
@@ -145,11 +177,9 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
-        candidates = self._candidates(task, model, seed)
-        run = Run(setup, self._robot.files, starts, odd)
+        model, odd = self._checked(task)
+        candidates = self._candidates(model, seed)
+        run = Run(self._setup(task), self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
         self._evaluate_once(model, candidates)
         run.times["prepare"] = time.perf_counter() - began
@@ -158,10 +188,8 @@ class Planner:
             database = self._database(model.task.margin)
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
-            identity = identity_of(database).digest
-            rows = database.rows()
-            run.facts["database"] = {"file": str(database.file), "rows": rows, "identity": identity}
-            run.count_starts(len(postures), rows, model.task.start_radius)
+            run.facts["database"] = facts_of(database)
+            run.count_starts(len(postures), model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
@@ -192,35 +220,44 @@ class Planner:
         Raises:
             InputError: as `plan`; at the first call of `next`.
         """
-        if most is not None:
-            whole_number("most", most, 1)
-        if deadline is not None:
-            real_number("deadline", deadline, 0.0)
-        began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        check_task(model)
-        candidates = self._candidates(task, model, 0)
-        if task not in self._hands:  # neither depends on where objects stand
-            self._evaluate_once(model, candidates)
-            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        items = self._nearest(model, self._hands[task], candidates)
-        quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
-        solver, verifier = LocalSolver(model, quick), verifier_of(model)
-        setup = Setup(self._robot.description, self._scene, task)
-        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
-        for item in items:
-            if deadline is not None and time.perf_counter() - began > deadline:
-                return
-            grasp = attempt(solver, verifier, item).grasp
-            if grasp is None:
-                continue
-            found += 1
-            yield replace(graded(grasp, verifier), setup=setup)
-            if found == most or bound >= grasp.cost.U:
-                return
+        limits = _Limits.of(most, deadline)
+        model, _ = self._checked(task)
+        for done in self._tried(model, self._nearest(model), limits):
+            if done.grasp is not None:
+                yield done.grasp
 
-    def move(self, name: str, pose: Pose | Array) -> None:
+    def first(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Result:
+        """Return as a result what `grasps` yields, with what became of the starts without a grasp.
+
+        Near-identical grasps are one. Ctrl-C ends the search and returns what was found until then.
+
+        Args:
+            task: name of a task of the scene.
+            most: number of grasps, near-identical ones counted.
+            deadline: seconds from the call.
+
+        Raises:
+            InputError: as `plan`.
+        """
+        began, limits = time.perf_counter(), _Limits.of(most, deadline)
+        model, odd = self._checked(task)
+        run = Run(self._setup(task), self._robot.files, NEAREST, odd)
+        run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
+        try:
+            items = self._nearest(model)
+            run.facts["database"] = facts_of(self._database(model.task.margin))
+            run.starts = len(items)
+            run.times["prepare"] = time.perf_counter() - began
+            for done in self._tried(model, items, limits):
+                run.add(done)
+                self._report(run.progress(len(items)))
+            run.count_tried(deadline)
+        except KeyboardInterrupt:
+            run.interrupted = True
+        run.times["total"] = time.perf_counter() - began
+        return run.result(run.distinct())
+
+    def move(self, name: str, pose: Pose | Rows) -> None:
         """Put an object of the scene at another pose; nothing is rebuilt.
 
         Args:
@@ -253,7 +290,7 @@ class Planner:
         """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
 
         A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
-        proposed. Of two, the first one is farther from those before it; the first of all is near the centre of mass.
+        proposed. The first one is near the centre of mass, each further one as far as possible from those before it.
 
         Args:
             task: name of a task of the scene.
@@ -265,10 +302,73 @@ class Planner:
                 pair suits; the message says why.
         """
         seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
-        check_placement(self._scene, task)
+        model, _ = self._checked(task)
+        return tuple(candidate.pair for candidate in self._proposals(model, seed).here(model, most))
+
+    def _checked(self, task: str) -> tuple[TaskModel, tuple[str, ...]]:
+        """Return the model of a task, and what is odd about it.
+
+        Raises:
+            InputError: the task does not exist, or makes no sense for this robot and scene.
+        """
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
-        check_task(model)
-        return tuple(candidate.pair for candidate in self._proposals(task, model, seed).here(model, most))
+        return model, tuple(check_task(model))
+
+    def _setup(self, task: str) -> Setup:
+        return Setup(self._robot.description, self._scene, task)
+
+    def _candidates(self, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
+        """Return the pairs that are proposed to the starts of a task; none if it desires some points."""
+        if model.task.desired_contacts is not None:
+            return ()
+        return self._proposals(model, seed).here(model, PROPOSED)
+
+    def _proposals(self, model: TaskModel, seed: int) -> Proposals:
+        key = model.task_name, seed
+        if key not in self._proposed:  # they do not depend on where objects stand
+            self._proposed[key] = Proposals(model, seed)
+        return self._proposed[key]
+
+    def _nearest(self, model: TaskModel) -> list[Item]:
+        """Return the starts whose hand is nearest to the object, the most promising first."""
+        task, candidates = model.task_name, self._candidates(model, 0)
+        if task not in self._hands:  # neither depends on where objects stand
+            self._evaluate_once(model, candidates)
+            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
+        hand, index = self._hands[task], self._index(model)
+        if not candidates:
+            return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
+        pairs = [candidate.desired(model) for candidate in candidates]
+        points = np.array([pair.points for pair in pairs])
+        postures = index.starts(model, hand, points, NEAREST)
+        own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
+        return [
+            Item(number, opened(model, posture, candidates[k]), (pairs[k],))
+            for number, (posture, k) in enumerate(zip(postures, own, strict=True))
+        ]
+
+    def _tried(self, model: TaskModel, items: Sequence[Item], limits: _Limits) -> Iterator[Attempt]:
+        """Yield what becomes of one start after the other, within limits; grasps have all their figures."""
+        solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
+        setup = self._setup(model.task_name)
+        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[model.task_name], 0
+        for item in items:
+            if time.perf_counter() > limits.end:
+                return
+            done = attempt(solver, verifier, item)
+            if done.grasp is None:
+                yield done
+                continue
+            found += 1
+            yield replace(done, grasp=replace(graded(done.grasp, verifier), setup=setup))
+            if found == limits.most or bound >= done.grasp.cost.U:
+                return
+
+    @property
+    def _quick(self) -> SolverOptions:
+        """How a start is solved where the next one is better than a second try."""
+        return replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
 
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up
@@ -277,30 +377,6 @@ class Planner:
             link_bodies(self._robot, self._report)
             self._models[task] = TaskModel(self._robot, self._scene, task)
         return self._models[task]
-
-    def _candidates(self, task: str, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
-        """Return the pairs that are proposed to the starts of a task; none if it desires some points."""
-        if model.task.desired_contacts is not None:
-            return ()
-        return self._proposals(task, model, seed).here(model, PROPOSED)
-
-    def _proposals(self, task: str, model: TaskModel, seed: int) -> Proposals:
-        if (task, seed) not in self._proposed:  # they do not depend on where objects stand
-            self._proposed[task, seed] = Proposals(model, seed)
-        return self._proposed[task, seed]
-
-    def _nearest(self, model: TaskModel, hand: HeldHand, candidates: Sequence[Candidate]) -> list[Item]:
-        """Return the starts whose hand is nearest to the object, the most promising first."""
-        if not candidates:
-            return items_of(model, self._index(model).starts(model, hand, model.desired_points[None], NEAREST), ())
-        pairs = [candidate.desired(model) for candidate in candidates]
-        points = np.array([pair.points for pair in pairs])
-        postures = self._index(model).starts(model, hand, points, NEAREST)
-        own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
-        return [
-            Item(index, opened(model, posture, candidates[k]), (pairs[k],))
-            for index, (posture, k) in enumerate(zip(postures, own, strict=True))
-        ]
 
     def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""

@@ -31,8 +31,6 @@ SPACING, FINE = 0.005, 0.002
 """Of the points at which a pad is looked at, m; the fine one for footprints that a contact region is to hold."""
 SLACK = 0.003
 """How far off its pad the second contact may be where the first one is given, m: the table of grips is coarse."""
-RUBBER = 0.001
-"""How deep the object may be in the face of a pad, m."""
 TOUCHED = 1e-4
 """What of a pad is nearer than this to the object is its footprint, m."""
 BEHIND = (0.003, 0.008)
@@ -72,6 +70,7 @@ class HoldFinder:
         self._limits = own[0]
         self.parallel = always_parallel(model.robot)
         """Whether the hand is a jaw whose pads stay parallel."""
+        self._rubber = min(pad.rubber_depth for pad in model.robot.description.pads)
         widths = self._grips.widths
         self.narrowest, self.widest = float(widths.min()), float(widths.max())
         """Least and greatest distance of the pads, m."""
@@ -130,7 +129,7 @@ class HoldFinder:
             return model.surface.signed_distance(points.reshape(-1, 3))[0].reshape(len(points), -1)
 
         depths = distances(faces)
-        fit = (depths.min(axis=1) >= -RUBBER) & (distances(probes).min(axis=1) >= model.task.margin.object)
+        fit = (depths.min(axis=1) >= -self._rubber) & (distances(probes).min(axis=1) >= model.task.margin.object)
         if model.region is not None and model.task.contact_regions == "footprint":
             inside = model.region(faces.reshape(-1, 3))[0].reshape(depths.shape)
             fit &= np.where(depths <= TOUCHED, inside, 0.0).min(axis=1) >= 0.0

@@ -2,10 +2,11 @@
 
 Points are drawn on the surface, and each gets its opposite one. What is left of them
 
-    is opposite       normals that pads can be tangent to: exactly opposite for pads that stay parallel, and within the
-                      friction cones about the line that joins the points
+    is opposite       normals that pads can be tangent to: for pads that stay parallel opposite, on an uneven surface as
+                      far as rubber yields, and within the friction cones about the line that joins the points
     fits the jaw      as far apart as the pads can be
-    may be touched    both points in the contact region, and as far from edges as the task's reserve
+    may be touched    both points in the contact region, and as far from edges as the task's reserve; of an uneven
+                      surface where it is about as tilted itself as what a pad feels
     holds the pads    at one of eight turns about the normal, and one of nine places on the pad: nothing of the object
                       is in pads or fingers, and the footprint is in the region
     can be got at     there, no wall, obstacle or other object is in a finger or the wrist, and the approach is wanted
@@ -30,6 +31,7 @@ from ..geometry.antipodal import Pairs, opposite_points
 from ..geometry.contact_faces import edge_distance
 from ..geometry.shapes import surface_of
 from ..kinematics.reach import arm_reach
+from .constraints.pad_tilt import half_sides
 from .desired import DesiredPoints
 from .pair_holds import TURNS, HoldFinder, Holds
 from .task_model import TaskModel
@@ -42,6 +44,8 @@ KEPT = 48
 """Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
 PARALLEL = math.radians(0.5)
 """Greatest angle between a normal and the opposite of the other one for pads that stay parallel, rad."""
+EDGE = math.radians(12.0)
+"""Angle between the normal of an uneven surface and what a pad feels from which on there is an edge, rad."""
 ROOM = 0.006
 """Pairs nearer than this to an edge are proposed only if no other one can be got at, m.
 
@@ -98,6 +102,11 @@ class Proposals:
             )
         self._model = model
         self._finder = HoldFinder(model)
+        self._tilt = PARALLEL
+        if model.surface.uneven:
+            halves = [half_sides(pad.patch).max() for pad in model.robot.pads]
+            depths = [pad.rubber_depth for pad in model.robot.description.pads]
+            self._tilt = float(np.arctan2(depths, halves).sum())
         found = self._found(np.random.default_rng(seed))
         self.candidates = tuple(c for roomy in (True, False) for c in self._spread(found, roomy))
         """Each as far as possible from those before it, those near edges last."""
@@ -163,7 +172,7 @@ class Proposals:
         model, narrowest, widest = self._model, self._finder.narrowest, self._finder.widest
         opposite = pairs.leans.max(axis=1) <= math.atan(model.task.contact.friction)
         if self._finder.parallel:
-            opposite &= pairs.tilts <= PARALLEL
+            opposite &= pairs.tilts <= self._tilt
         pairs = pairs.at(np.flatnonzero(opposite))
         if not len(pairs.points):
             return _Reason("no two faces are opposite to each other as the pads are", "Give desired contacts")
@@ -185,7 +194,12 @@ class Proposals:
         return pairs
 
     def _rooms(self, pairs: Pairs) -> Array:
-        """Return how far both points of pairs are from the edges of their faces, m, shape (n,)."""
+        """Return how far both points of pairs are from the edges of their faces, m, shape (n,); -inf on an edge."""
+        surface = self._model.surface
+        if surface.uneven:
+            points = pairs.points.reshape(-1, 3)
+            cosines = (surface.signed_distance(points)[1] * surface.footprint(points)[0]).sum(axis=1)
+            return np.where(cosines.reshape(-1, 2).min(axis=1) < math.cos(EDGE), -np.inf, np.inf)
         face_of = self._model.surface.contact_face
         rooms = [[edge_distance(face_of(point), point)[0] for point in pair] for pair in pairs.points]
         return np.asarray(np.min(rooms, axis=1))
@@ -228,7 +242,7 @@ def _can_be_got_at(model: TaskModel, candidate: Candidate) -> bool:
     for body in model.scene.bodies_besides(model.task).values() if free.any() else ():
         T = body.pose.matrix
         local = (probes.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
-        free &= surface_of(body.shape).signed_distance(local)[0].reshape(len(probes), -1).min(axis=1) > 0.0
+        free &= surface_of(body.shape).exact_distances(local).reshape(len(probes), -1).min(axis=1) > 0.0
     return bool(free.any())
 
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array
-from ..collision.distances import CollisionModel
+from ..arrays import Array, Indices
+from ..collision.distances import CollisionModel, Distances
+from ..collision.object_points import ObjectPoints
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
-from ..geometry.contact_faces import ContactFace, Flat, Ruling
+from ..geometry.contact_faces import ContactFace, Flat, placed
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
+from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
 from .desired import DesiredPoints
@@ -34,7 +35,7 @@ class TaskModel:
         self.parameter_limits = parameter_limits(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         self.surface = surface_of(scene.objects[self.task.object].shape)
-        region = self.task.contact_region
+        region = scene.region_of(self.task)
         self.region = None if region is None else membership(region)
         self._place_object()
         stiffness = robot.description.stiffness
@@ -68,7 +69,8 @@ class TaskModel:
         model.__dict__.update(self.__dict__)
         model.scene = scene
         role: Role = "target" if name == self.task.object else "obstacle"
-        model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
+        if role == "obstacle" or not self.surface.uneven:
+            model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
         model._place_object()
         return model
 
@@ -85,17 +87,25 @@ class TaskModel:
         distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
         return distances, normals @ R.T, R @ hessians @ R.T
 
+    def footprint(self, points: Array) -> tuple[Array, Array]:
+        """Return the outward normals that a pad feels at world points, and derivatives; shapes (n, 3), (n, 3, 3)."""
+        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
+        normals, derivatives = self.surface.footprint((points - origin) @ R)
+        return normals @ R.T, R @ derivatives @ R.T
+
+    def to_object(self, points: ObjectPoints, configuration: Configuration) -> Distances:
+        """Return the distances of sets of points to the object, which is uneven."""
+        return points.distances(configuration, self.surface, self.T_world_object)
+
+    def touched_parts(self, points: Array) -> Indices:
+        """Return the part of the object that each world point is nearest to; 0 but of a compound."""
+        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
+        return self.surface.nearest_part((points - origin) @ R)
+
     def contact_face(self, point: Array) -> ContactFace:
         """Return the contact face of the object at its surface point nearest to a world point; world frame."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
-        face = self.surface.contact_face((point - origin) @ R)
-        match face:
-            case Ruling():
-                bend = None if face.bend is None else R @ face.bend @ R.T
-                return replace(face, direction=R @ face.direction, bend=bend)
-            case Flat():
-                return Flat(face.corners @ R.T + origin, R @ face.normal)
-        return face
+        return placed(self.surface.contact_face((point - origin) @ R), R, origin)
 
 
 def _contact_models(pads: Sequence[PadDescription], stiffness: float) -> ContactModels:

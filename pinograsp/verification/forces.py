@@ -15,13 +15,13 @@ from .claim import Claim
 
 
 def balance_figures(
-    claim: Claim, pad_normals: Array, center_of_mass: Array, radius: float, wrench: Array, *, balanced: bool
+    claim: Claim, normals: Array, center_of_mass: Array, radius: float, wrench: Array, *, balanced: bool
 ) -> list[Figure]:
     """Return the unbalanced force, N, and torque about the centre of mass, N m.
 
     Args:
         claim: points, forces and spin torques.
-        pad_normals: outward normals of the pads, world, shape (contacts, 3).
+        normals: of the contacts, into the object, world, shape (contacts, 3).
         center_of_mass: of the object, world, shape (3,), m.
         radius: of the ball about the centre of mass that holds the object, m.
         wrench: external, force and torque about the centre of mass, world, N and N m, shape (6,).
@@ -29,7 +29,7 @@ def balance_figures(
     """
     force = claim.forces.sum(axis=0) + wrench[:3]
     torque = np.cross(claim.points - center_of_mass, claim.forces).sum(axis=0)
-    torque = torque + claim.spin_torques @ pad_normals + wrench[3:]
+    torque = torque + claim.spin_torques @ normals + wrench[3:]
     weight, moment = float(np.linalg.norm(wrench[:3])), float(np.linalg.norm(wrench[3:]))
     force_limit = 1e-3 * weight if weight > 0.0 else 1e-6
     torque_limit = 2e-3 * max(weight * radius, moment, 1e-9)

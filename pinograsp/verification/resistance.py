@@ -68,6 +68,7 @@ class Hold:
 def hold_of(
     claim: Claim,
     pads: Pads,
+    normals: Array,
     areas: Sequence[Array],
     rates: Sequence[Array],
     task: Task,
@@ -79,13 +80,13 @@ def hold_of(
     Args:
         claim: contact points, planned forces and spin torques.
         pads: the pads at the claim's link poses.
+        normals: of the contacts, into the object, world, shape (contacts, 3).
         areas: footprint of each contact, world, shape (k, 3), m.
         rates: of the link of each pad, its twist about the world's origin per unit of each synergy, (synergies, 6).
         task: friction and force limits.
         center_of_mass: of the object, world, shape (3,), m.
         radius: of the ball about the centre of mass that holds the object, m.
     """
-    normals = pads.nearest(claim.points)[1]
     exerted = _exerted(claim, normals)
     torques = _felt(exerted, rates)
     size = float(np.linalg.norm(torques))
@@ -106,9 +107,9 @@ def hold_of(
     return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
 
 
-def drive_torques(claim: Claim, pads: Pads, rates: Sequence[Array]) -> Array:
+def drive_torques(claim: Claim, normals: Array, rates: Sequence[Array]) -> Array:
     """Return tau = S^T sum_i J_i^T f_i, N m (N) per unit of each synergy, (synergies,); arguments as for `hold_of`."""
-    return _felt(_exerted(claim, pads.nearest(claim.points)[1]), rates)
+    return _felt(_exerted(claim, normals), rates)
 
 
 def _exerted(claim: Claim, normals: Array) -> Array:

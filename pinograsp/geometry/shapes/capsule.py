@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
 
 import coal
 import numpy as np
 import trimesh
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Capsule
 from ..contact_faces import ContactFace, Ruling, Spot
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation, tessellation_of
+from .convex import Convex
 
 SECTIONS = 32
 """Sides of its tessellation, and rings of its two half balls."""
 
 
-class CapsuleSurface:
+class CapsuleSurface(Convex):
     """Geometry of a capsule around the z axis; on the axis the normal is taken along x."""
+
+    edged = False
 
     def __init__(self, shape: Capsule) -> None:
         self._radius, self._half = shape.radius, 0.5 * shape.length
@@ -27,30 +32,43 @@ class CapsuleSurface:
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian; beside the axis nothing bends along it."""
-        apart = points.copy()
-        apart[:, 2] -= np.clip(points[:, 2], -self._half, self._half)
-        length = np.sqrt((apart * apart).sum(axis=1))
-        apart[length == 0.0] = [1.0, 0.0, 0.0]
-        divisor = np.where(length > 0.0, length, 1.0)
-        normals = apart / divisor[:, None]
-        hessians = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-        hessians[np.abs(points[:, 2]) <= self._half, 2, 2] = 0.0
-        return length - self._radius, normals, hessians / divisor[:, None, None]
+        return _signed_distance(points, self._radius, self._half)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the straight line of the side, which ends where the half balls begin, or a spot of these."""
         if abs(point[2]) > self._half:
             return Spot()
-        return Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2], sharp=False)
+        return Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2], sharp=(False, False))
 
     def extent(self, direction: Array) -> float:
         """Return r |direction| + l/2 |direction along the axis|."""
         return float(self._radius * np.linalg.norm(direction) + self._half * abs(direction[2]))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Capsule."""
-        return (coal.Capsule(self._radius, 2.0 * self._half),)
+        return (ConvexPiece(coal.Capsule(self._radius, 2.0 * self._half)),)
 
     def tessellation(self) -> Tessellation:
         """Return triangles whose corners lie on the capsule."""
         return tessellation_of(trimesh.creation.capsule(2.0 * self._half, self._radius, count=[SECTIONS, SECTIONS]))
+
+
+@compiled
+def _signed_distance(points: Array, radius: float, half: float) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        x, y, z = points[i]
+        normal = np.array([x, y, z - min(max(z, -half), half)])
+        length = math.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+        divisor = length if length > 0.0 else 1.0
+        if length == 0.0:
+            normal[0] = 1.0
+        normal /= divisor
+        distances[i], gradients[i] = length - radius, normal
+        for k in range(3):
+            for m in range(3):
+                hessians[i, k, m] = ((1.0 if k == m else 0.0) - normal[k] * normal[m]) / divisor
+        if abs(z) <= half:
+            hessians[i, 2, 2] = 0.0
+    return distances, gradients, hessians

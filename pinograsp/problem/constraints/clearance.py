@@ -20,6 +20,7 @@ import numpy as np
 
 from ...arrays import Array, Indices
 from ...collision.distances import REACH
+from ...collision.pairs import PAD_CLEARANCE
 from ...collision.world import CLEARANCES
 from ...compiled import compiled
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
@@ -42,29 +43,34 @@ class Clearance(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        pairs = model.collisions.pairs
+        pairs = tuple(pair for pair in model.collisions.pairs if pair.kind != PAD_CLEARANCE)  # those are the last
         self.links = tuple(dict.fromkeys(pair.link for pair in pairs))
         """Links of the rows."""
         self.rows = tuple(f"clearance of {link}" for link in self.links)
         self._pairs = pairs
         self._margins = np.array([pair.margin for pair in pairs])
-        self._link_of = np.array([self.links.index(pair.link) for pair in pairs])
+        numbers = {link: number for number, link in enumerate(self.links)}
+        self._link_of = np.array([numbers[pair.link] for pair in pairs])
         self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def inside(self, state: State) -> Residual:
-        measured = state.distances
-        above = measured.values - self._margins[measured.indices]
-        links = self._link_of[measured.indices]
-        values, jacobian = _smooth_minima(above, measured.gradients, links, self._counts, REACH)
+        indices, above, gradients = self._measured(state)
+        values, jacobian = smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
         rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
         return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
+    def _measured(self, state: State) -> tuple[Indices, Array, Array]:
+        """Return the pairs that were measured, their distances above their margins, m, and the gradients."""
+        measured = state.distances
+        count = int(np.searchsorted(measured.indices, len(self._pairs)))
+        indices = measured.indices[:count]
+        return indices, measured.values[:count] - self._margins[indices], measured.gradients[:count]
+
     def violations(self, state: State) -> list[Violation]:
         """Return the violation of each figure of which a pair was measured."""
-        measured = state.distances
-        above = measured.values - self._margins[measured.indices]
+        indices, above, _ = self._measured(state)
         worst: dict[str, tuple[float, str]] = {}
-        for index, value in zip(measured.indices.tolist(), above.tolist(), strict=True):
+        for index, value in zip(indices.tolist(), above.tolist(), strict=True):
             pair = self._pairs[index]
             if pair.kind not in worst or value < worst[pair.kind][0]:
                 worst[pair.kind] = (value, pair.name)
@@ -73,9 +79,7 @@ class Clearance(Inside):
 
 
 @compiled
-def _smooth_minima(
-    above: Array, gradients: Array, links: Indices, counts: Indices, reach: float
-) -> tuple[Array, Array]:
+def smooth_minima(above: Array, gradients: Array, links: Indices, counts: Indices, reach: float) -> tuple[Array, Array]:
     """Return the smooth minimum of every link and its gradient, shapes (links,), (links, v).
 
     Args:
@@ -91,10 +95,13 @@ def _smooth_minima(
     least, far = np.full(len(counts), everything_far), counts.copy()
     for pair in range(len(above)):
         bent[pair], slopes[pair] = bend(above[pair], reach)
-        least[links[pair]] = min(least[links[pair]], bent[pair])
-        far[links[pair]] -= 1
-    weights, sums = np.empty(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
+        if above[pair] < reach:  # else it counts as one that was not measured, to the last bit
+            least[links[pair]] = min(least[links[pair]], bent[pair])
+            far[links[pair]] -= 1
+    weights, sums = np.zeros(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
     for pair in range(len(above)):
+        if above[pair] >= reach:
+            continue
         weights[pair] = math.exp((least[links[pair]] - bent[pair]) / SMOOTHING)
         sums[links[pair]] += weights[pair]
     jacobian = np.zeros((len(counts), gradients.shape[1]))

@@ -46,7 +46,4 @@ class SurfaceEdge(Inside):
 
 def surface_edge(model: TaskModel) -> SurfaceEdge | None:
     """Return the constraint, or None if the object's surface has no edges."""
-    beside = model.T_world_object[:3, 3] + np.array([model.surface.radius, 0.0, 0.0])
-    distance, normal, _ = (part[0] for part in model.object_surface(beside[None]))
-    point = beside - distance * normal
-    return SurfaceEdge(model) if np.isfinite(edge_distance(model.contact_face(point), point)[0]) else None
+    return SurfaceEdge(model) if model.surface.edged else None
