@@ -78,8 +78,10 @@ from .onboarding.findings import LinkFigures as LinkFigures
 from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import check as check
+from .planning.one_shot import contacts as contacts
 from .planning.one_shot import plan as plan
 from .planning.session import Planner as Planner
+from .problem.proposals import ContactPair as ContactPair
 from .progress import Progress as Progress
 from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA

@@ -120,8 +120,11 @@ class Task(Frozen):
 
     object: Name
     """Name of an object of the scene."""
-    desired_contacts: ContactPoints
-    """Desired contact points on the object's surface, in the object's frame, m; one for each pad."""
+    desired_contacts: ContactPoints | None = None
+    """Desired contact points on the object's surface, in the object's frame, m; one for each pad.
+
+    If not given, each start is led to a pair of opposite points that is proposed to it, and Phi is zero.
+    """
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
     wrench: Wrench | None = None

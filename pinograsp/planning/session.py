@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -12,7 +12,9 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
-from ..arrays import Array, Rows
+import numpy as np
+
+from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
@@ -26,6 +28,7 @@ from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
+from ..problem.proposals import Candidate, ContactPair, Proposals
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -33,9 +36,19 @@ from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
-from .attempt import Attempt, attempt, attempts_of, lost_attempt, require_consistent, verifier_of
+from .attempt import (
+    Attempt,
+    Item,
+    attempt,
+    attempts_of,
+    items_of,
+    lost_attempt,
+    opened,
+    require_consistent,
+    verifier_of,
+)
 from .bound import least_U
-from .defaults import DEFAULT_STARTS
+from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
 from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
@@ -118,6 +131,7 @@ class Planner:
         self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
+        self._proposed: dict[tuple[str, int], Proposals] = {}
 
     @property
     def robot(self) -> Robot:
@@ -164,9 +178,10 @@ class Planner:
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
         model, odd = self._checked(task)
+        candidates = self._candidates(model, seed)
         run = Run(self._setup(task), self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
-        self._evaluate_once(model)
+        self._evaluate_once(model, candidates)
         run.times["prepare"] = time.perf_counter() - began
         try:
             self._workers.begin()
@@ -178,7 +193,8 @@ class Planner:
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
-            with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
+            items = items_of(model, postures, candidates)
+            with closing(self._workers.run(prepare, items, lost=lost_attempt)) as running:
                 for done in running:
                     run.add(done)
                     self._report(run.progress(len(postures)))
@@ -228,13 +244,13 @@ class Planner:
         run = Run(self._setup(task), self._robot.files, NEAREST, odd)
         run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
         try:
-            postures = self._nearest(model)
+            items = self._nearest(model)
             run.facts["database"] = facts_of(self._database(model.task.margin))
-            run.starts = len(postures)
+            run.starts = len(items)
             run.times["prepare"] = time.perf_counter() - began
-            for done in self._tried(model, postures, limits):
+            for done in self._tried(model, items, limits):
                 run.add(done)
-                self._report(run.progress(len(postures)))
+                self._report(run.progress(len(items)))
             run.count_tried(deadline)
         except KeyboardInterrupt:
             run.interrupted = True
@@ -270,6 +286,25 @@ class Planner:
         with compiling(self._report):
             return checked(model, verifier_of(model), joints)
 
+    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> tuple[ContactPair, ...]:
+        """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
+
+        A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
+        proposed. The first one is near the centre of mass, each further one as far as possible from those before it.
+
+        Args:
+            task: name of a task of the scene.
+            seed: of the points that are drawn on the surface.
+            most: number of pairs.
+
+        Raises:
+            InputError: there is no such task, it does not make sense in this scene, the hand has not two pads, or no
+                pair suits; the message says why.
+        """
+        seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
+        model, _ = self._checked(task)
+        return tuple(candidate.pair for candidate in self._proposals(model, seed).here(model, most))
+
     def _checked(self, task: str) -> tuple[TaskModel, tuple[str, ...]]:
         """Return the model of a task, and what is odd about it.
 
@@ -283,23 +318,45 @@ class Planner:
     def _setup(self, task: str) -> Setup:
         return Setup(self._robot.description, self._scene, task)
 
-    def _nearest(self, model: TaskModel) -> Array:
-        """Return the starts whose hand is nearest to the object, the most promising first, shape (n, l + s)."""
-        task = model.task_name
-        if task not in self._hands:  # neither depends on where objects stand
-            self._evaluate_once(model)
-            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        return self._index(model).starts(model, self._hands[task], NEAREST)
+    def _candidates(self, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
+        """Return the pairs that are proposed to the starts of a task; none if it desires some points."""
+        if model.task.desired_contacts is not None:
+            return ()
+        return self._proposals(model, seed).here(model, PROPOSED)
 
-    def _tried(self, model: TaskModel, postures: Array, limits: _Limits) -> Iterator[Attempt]:
+    def _proposals(self, model: TaskModel, seed: int) -> Proposals:
+        key = model.task_name, seed
+        if key not in self._proposed:  # they do not depend on where objects stand
+            self._proposed[key] = Proposals(model, seed)
+        return self._proposed[key]
+
+    def _nearest(self, model: TaskModel) -> list[Item]:
+        """Return the starts whose hand is nearest to the object, the most promising first."""
+        task, candidates = model.task_name, self._candidates(model, 0)
+        if task not in self._hands:  # neither depends on where objects stand
+            self._evaluate_once(model, candidates)
+            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
+        hand, index = self._hands[task], self._index(model)
+        if not candidates:
+            return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
+        pairs = [candidate.desired(model) for candidate in candidates]
+        points = np.array([pair.points for pair in pairs])
+        postures = index.starts(model, hand, points, NEAREST)
+        own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
+        return [
+            Item(number, opened(model, posture, candidates[k]), (pairs[k],))
+            for number, (posture, k) in enumerate(zip(postures, own, strict=True))
+        ]
+
+    def _tried(self, model: TaskModel, items: Sequence[Item], limits: _Limits) -> Iterator[Attempt]:
         """Yield what becomes of one start after the other, within limits; grasps have all their figures."""
         solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
         setup = self._setup(model.task_name)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[model.task_name], 0
-        for index, posture in enumerate(postures):
+        for item in items:
             if time.perf_counter() > limits.end:
                 return
-            done = attempt(solver, verifier, index, posture)
+            done = attempt(solver, verifier, item)
             if done.grasp is None:
                 yield done
                 continue
@@ -321,10 +378,11 @@ class Planner:
             self._models[task] = TaskModel(self._robot, self._scene, task)
         return self._models[task]
 
-    def _evaluate_once(self, model: TaskModel) -> None:
+    def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
+        desired = candidates[0].desired(model) if candidates else None
         with compiling(self._report):
-            problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+            problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))
 
     def _index(self, model: TaskModel) -> StartIndex:

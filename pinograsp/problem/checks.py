@@ -44,18 +44,19 @@ def check_task(model: TaskModel) -> list[str]:
     """Refuse a task that cannot be meant with its robot; return what is odd about it, in words.
 
     Raises:
-        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough, or no
-            contact can be made in the contact region.
+        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough for them,
+            or no contact can be made in the contact region.
     """
     pads = len(model.robot.description.pads)
-    if len(model.desired_points) != pads:
+    if model.task.desired_contacts is not None and len(model.desired_points) != pads:
         raise TaskError(
             f"{len(model.desired_points)} desired contacts for a hand of {pads} pads",
             file=model.scene.source,
             key=f"tasks.{model.task_name}.desired_contacts",
             remedy="Give one for each pad",
         )
-    _jaw_wide_enough(model)
+    if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
+        _jaw_wide_enough(model)
     return [*mesh_findings(model.scene, model.task), *check_region(model)]
 
 
@@ -113,6 +114,8 @@ def _points_inside(first: Body, second: Body) -> float:
 
 def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:
     task = scene.task(task_name)
+    if task.desired_contacts is None:
+        return
     distances = surface.exact_distances(np.array(task.desired_contacts))
     worst = int(np.abs(distances).argmax())
     if abs(distances[worst]) > TOLERANCE:

@@ -22,17 +22,24 @@ from ..mechanics import (
     grasp_statics,
     solve_forces,
 )
+from .desired import DesiredPoints
 from .task_model import TaskModel
 
 
 class State:
-    """A point x = (q_a, sigma, q_c) of a task, with pad i serving desired point assignment[i]."""
+    """A point x = (q_a, sigma, q_c) of a task.
 
-    def __init__(self, model: TaskModel, data: Any, x: Array, assignment: tuple[int, ...]) -> None:
+    Args:
+        model: the task.
+        data: a Pinocchio Data of its robot's model, used as scratch space.
+        x: the point, shape (v,).
+        desired: where the contact of each pad is wanted.
+    """
+
+    def __init__(self, model: TaskModel, data: Any, x: Array, desired: DesiredPoints) -> None:
         self.model = model
         self.x = x
-        self._desired = model.desired_points[list(assignment)]
-        self._desired_normals = model.desired_normals[list(assignment)]
+        self._desired = desired
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
         self._to_object: dict[ObjectPoints, Distances] = {}
@@ -41,12 +48,12 @@ class State:
     @property
     def desired(self) -> Array:
         """Desired point of every pad, world, m, shape (n, 3)."""
-        return self._desired
+        return self._desired.points
 
     @property
     def desired_normals(self) -> Array:
-        """Outward normal of the flat face that the desired point of every pad is on; zero if it is curved, (n, 3)."""
-        return self._desired_normals
+        """Outward normal of the surface that every pad is to look at; zero if any will do, shape (n, 3)."""
+        return self._desired.normals
 
     @cached_property
     def surface(self) -> tuple[Array, Array, Array]:

@@ -19,6 +19,7 @@ from ..geometry.shapes import surface_of
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
+from .desired import DesiredPoints
 from .preferences import approach_cone, parameter_limits, posture_bounds
 
 
@@ -51,11 +52,8 @@ class TaskModel:
     def _place_object(self) -> None:
         target = self.scene.objects[self.task.object]
         self.T_world_object = target.pose.matrix
-        desired = np.array(self.task.desired_contacts)
-        self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
-        faces = [self.contact_face(point) for point in self.desired_points]
-        self.desired_normals = np.array([f.normal if isinstance(f, Flat) else np.zeros(3) for f in faces])
-        """Outward normals of the flat faces that the desired points are on; zero on curved parts, shape (n, 3)."""
+        self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
+        """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
         wrench = self.scene.wrench_of(self.task)
         self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius)
@@ -75,6 +73,13 @@ class TaskModel:
             model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
         model._place_object()
         return model
+
+    def desired(self, points: Array) -> DesiredPoints:
+        """Return points of the surface, in the object's frame, m, shape (n, 3), as places where contact is wanted."""
+        points = points.reshape(-1, 3) @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        faces = [self.contact_face(point) for point in points]
+        normals = [face.normal if isinstance(face, Flat) else np.zeros(3) for face in faces]
+        return DesiredPoints(points, np.array(normals).reshape(-1, 3))
 
     def object_surface(self, points: Array) -> tuple[Array, Array, Array]:
         """Return signed distance, outward normal and Hessian at world points; shapes (n,), (n, 3), (n, 3, 3)."""

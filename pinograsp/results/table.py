@@ -126,6 +126,8 @@ def outcome_lines(result: Result) -> list[str]:
     share = f" ({100 * result.verified / result.done:.1f} %)" if result.done else ""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in result.counts.items() if count)
     lines = [f"{result.verified} of {_starts(result.done)} verified{share}; solver: {outcomes or 'no start'}"]
+    if result.setup.scene.task(result.task).desired_contacts is None:
+        lines.append("no contacts desired: each start was led to pairs that were proposed to it; Phi is 0, U is k V")
     if result.interrupted and result.done < result.starts:
         lines.append(f"{result.starts - result.done} of {_starts(result.starts)} not tried: interrupted")
     elif result.interrupted:

@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 from ..cost import Cost
 from ..task_model import TaskModel
-from .desired_contacts import DesiredContacts
+from .desired_contacts import desired_contacts
 from .force_cost import ForceCost
 from .pad_tilt import pad_tilt
 
 COSTS: list[Callable[[TaskModel], Cost | None]] = [
-    DesiredContacts,
+    desired_contacts,
     ForceCost,
     pad_tilt,
 ]
