@@ -679,8 +679,8 @@ def test_signed_distance_is_that_of_coal(shape: Shape, point: Array) -> None:
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
     at = coal.Transform3s(np.eye(3), point)
-    [geometry], probe = surface.solids(), 1e-3
-    expected = coal.distance(geometry, coal.Transform3s(), coal.Sphere(probe), at, request, result) + probe
+    [piece], probe = surface.solids(), 1e-3
+    expected = coal.distance(piece.geometry, coal.Transform3s(), coal.Sphere(probe), at, request, result) + probe
     assert distance == pytest.approx(expected, abs=2e-6)
 
 

@@ -162,7 +162,7 @@ def test_cores_are_the_shape_less_their_inset(shape: ShapeDescription, registere
     middle = surface.tessellation().corners.mean(axis=1)[::5]
     depths, normals, _ = surface.signed_distance(middle)
     ball = coal.Sphere(1e-3)
-    for core in PlacedShape("it", Body(shape=shape)).cores:
+    for core in PlacedShape("it", Body(shape=shape)).parts[0].cores:
         for point, normal, depth in zip(middle, normals, depths, strict=True):
             at = coal.Transform3s(np.eye(3), point + (0.1 - depth) * normal)
             apart = coal.distance(

@@ -22,7 +22,7 @@ from pinograsp.errors import InputError
 from pinograsp.kinematics.robot import Robot
 from pinograsp.verification import Certificate, Claim, Figure
 from pinograsp.verification.check import Verifier
-from pinograsp.verification.clearance import Placed, self_figure, shape_figure
+from pinograsp.verification.clearance import Placed, Surroundings, self_figure, shape_figure
 from pinograsp.verification.contacts import Pads
 from pinograsp.verification.link_mesh import LinkMesh
 from pinograsp.verification.meshes import _link_mesh, _placed
@@ -138,7 +138,7 @@ def place(shape: dict[str, Any], position: Array) -> PlacedShape:
 def measure(mesh: LinkMesh, shape: PlacedShape) -> float:
     """Return the figure of one mesh, link frame = world, against a shape."""
     placed = Placed({mesh.link: mesh}, {mesh.link: np.eye(4)})
-    return shape_figure("clearance", [(mesh, shape)], placed, 0.0).value
+    return shape_figure("clearance", Surroundings([mesh], [shape]), placed, 0.0).value
 
 
 def test_distance_to_a_sphere_agrees_with_trimesh(glovebox: Verifier) -> None:

@@ -16,10 +16,11 @@ from conftest import TOY_URDF, Array, RobotFactory, SceneFactory, collision_mode
 from pinograsp.collision.distances import CollisionModel
 from pinograsp.collision.scene_world import task_world
 from pinograsp.collision.solids import bounded, link_bodies
-from pinograsp.collision.world import IDENTITY, Body, BodyKey, Hull, World
+from pinograsp.collision.world import Body, BodyKey, Hull, World
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
 from pinograsp.errors import InputError
+from pinograsp.geometry.convex_solid import IDENTITY
 from pinograsp.kinematics.forward import Configuration, forward
 from pinograsp.kinematics.robot import Robot, _built
 from pinograsp.memo import remembered

@@ -17,14 +17,14 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions.scene import Body as BodyDescription
 from ..descriptions.scene import Enclosure
-from ..geometry.convex_solid import convex_solid
+from ..geometry.convex_solid import IDENTITY, convex_solid
 from ..geometry.cover_cache import mesh_cover
 from ..geometry.shapes import surface_of
 from ..kinematics.collision_elements import CollisionElement, collision_elements
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..progress import Progress, Report, no_report
-from .world import IDENTITY, Body, Hull, Role, Solid
+from .world import Body, Hull, Role, Solid
 
 
 def distance_request() -> Any:
@@ -87,7 +87,8 @@ _PRIMITIVES = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder
 
 def scene_body(role: Role, name: str, body: BodyDescription) -> Body:
     """Return an obstacle or object of the scene."""
-    solids = tuple(bounded(solid, IDENTITY) for solid in surface_of(body.shape).solids())
+    pieces = surface_of(body.shape).solids()
+    solids = tuple(bounded(piece.geometry, piece.placement)._replace(part=piece.part) for piece in pieces)
     return Body(role, name, 0, body.pose.matrix, solids, _hulls(solids))
 
 

@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
-
 from ..arrays import Array
 
 Role = Literal["link", "wall", "obstacle", "target", "held"]
@@ -26,9 +24,6 @@ CLEARANCES: dict[Role, str] = {
 """Name of the robot's clearance to bodies of a role, as in a certificate."""
 
 
-IDENTITY = np.eye(4)
-
-
 class Solid(NamedTuple):
     """A convex shape in the frame of its body."""
 
@@ -40,6 +35,8 @@ class Solid(NamedTuple):
     """Centre of the bounding sphere, body frame, m, shape (3,); unused for a wall."""
     radius: float
     """Of the bounding sphere, m; infinite for a wall."""
+    part: int = 0
+    """Which part of its body it belongs to; 0 but in a compound."""
 
 
 class Hull(NamedTuple):

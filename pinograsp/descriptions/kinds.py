@@ -35,9 +35,15 @@ class Kinds:
         """Remove a class."""
         self._set(tuple(known for known in self._classes if known is not kind))
 
+    def besides(self, name: str) -> _Besides:
+        """Return what stands in the annotation of a part of the kind of this name: the schema lists the others.
+
+        Of every kind, that one too, an instance is made: who annotates refuses it in words of its own.
+        """
+        return _Besides(self, name)
+
     def _set(self, classes: tuple[type[Frozen], ...]) -> None:
-        union: Any = Union[classes]  # noqa: UP007 - made at run time
-        self._union: TypeAdapter[Any] = TypeAdapter(Annotated[union, Field(discriminator="type")])
+        self._union = _union(classes)
         self._classes = classes
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -46,3 +52,22 @@ class Kinds:
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         return handler(self._union.core_schema)
+
+
+class _Besides:
+    """The kinds of a registry, of which the JSON Schema leaves one out: it would go round in circles."""
+
+    def __init__(self, kinds: Kinds, name: str) -> None:
+        self._kinds, self._name = kinds, name
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return self._kinds.__get_pydantic_core_schema__(source, handler)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        others = tuple(kind for kind in self._kinds if kind.model_fields["type"].default != self._name)
+        return handler(_union(others).core_schema)
+
+
+def _union(classes: tuple[type[Frozen], ...]) -> TypeAdapter[Any]:
+    union: Any = Union[classes]  # noqa: UP007 - made at run time
+    return TypeAdapter(Annotated[union, Field(discriminator="type")])

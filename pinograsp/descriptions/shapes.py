@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
 from .model import Frozen
+from .pose import Pose
 from .values import NotNegative, Positive, listed, wrong
 
 
 class ShapeDescription(Frozen):
-    """A convex shape in its own frame; each class narrows `type` to its name."""
+    """A shape in its own frame; each class narrows `type` to its name."""
 
     type: str
 
@@ -87,3 +88,29 @@ SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
 """Every shape that a scene file may have."""
 
 Shape = Annotated[ShapeDescription, SHAPES]
+
+
+def _single(shape: ShapeDescription) -> ShapeDescription:
+    if isinstance(shape, Compound):
+        raise wrong("a compound cannot be part of another one", remedy="List its parts in the outer one")
+    return shape
+
+
+class Part(Frozen):
+    """A part of a compound: a shape at a pose."""
+
+    shape: Annotated[ShapeDescription, SHAPES.besides("compound"), AfterValidator(_single)]
+    """In its own frame, m; no compound."""
+    pose: Pose = Pose()
+    """Of the shape's frame in the compound's, m and rad."""
+
+
+class Compound(ShapeDescription):
+    """All that is in one of several parts, which may overlap: a can with a lid and a handle, a dumb-bell."""
+
+    type: Literal["compound"] = "compound"
+    parts: Annotated[tuple[Part, ...], BeforeValidator(listed), Field(min_length=1)]
+    """At least one, in the compound's frame."""
+
+
+SHAPES.add(Compound)

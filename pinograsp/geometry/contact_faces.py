@@ -1,4 +1,4 @@
-"""Contact faces: the parts of a convex surface that lie in its tangent plane at a point.
+"""Contact faces: the parts of a surface, convex around them, that lie in its tangent plane at a point.
 
 Two convex bodies that are tangent at a point touch in the intersection of their contact faces there: the footprint.
 A surface that bends in every direction has a spot, one that is ruled a straight line, a flat one an area.
@@ -6,12 +6,16 @@ A surface that bends in every direction has a spot, one that is ruled a straight
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..arrays import Array, cross
+
+NO_EDGE = (math.inf, np.zeros(3))
+"""Distance from an edge where there is none, and its gradient."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +35,19 @@ class Ruling:
     """Where it ends, m."""
     bend: Array | None = None
     """Derivative of the direction as the point moves over the surface, 1/m, shape (3, 3); None: it does not turn."""
-    sharp: bool = True
-    """Whether the surface has edges at both ends; if not, it bends on smoothly there."""
+    sharp: tuple[bool, bool] = (True, True)
+    """Whether the surface has edges where it begins and where it ends; if not, it bends on smoothly there."""
+    slopes: tuple[Array | None, Array | None] = (None, None)
+    """Derivatives of `low` and `high` as the point moves, shape (3,) each; None: that end stays where it is."""
+
+    @property
+    def ends(self) -> tuple[tuple[float, Array], tuple[float, Array]]:
+        """How far the point is from either end, m, and the derivative of that, shape (3,); infinite if it is smooth."""
+        low, high = self.slopes
+        return (
+            (-self.low, self.direction if low is None else -low) if self.sharp[0] else NO_EDGE,
+            (self.high, -self.direction if high is None else high) if self.sharp[1] else NO_EDGE,
+        )
 
 
 @dataclass(frozen=True)
@@ -63,19 +78,32 @@ class Flat:
 ContactFace = Spot | Ruling | Flat
 
 
+def placed(face: ContactFace, R: Array, origin: Array) -> ContactFace:
+    """Return a contact face in the frame in which its own has rotation R, shape (3, 3), and origin, shape (3,), m."""
+    match face:
+        case Ruling():
+            bend = None if face.bend is None else R @ face.bend @ R.T
+            low, high = (None if slope is None else R @ slope for slope in face.slopes)
+            return replace(face, direction=R @ face.direction, bend=bend, slopes=(low, high))
+        case Flat():
+            return Flat(face.corners @ R.T + origin, R @ face.normal)
+    return face
+
+
 def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
     """Return the distance of a point of the surface from the nearest edge of its contact face, and the gradient.
 
-    A spot has no edge, nor has a line whose ends are smooth: the distance is infinite.
+    A spot has no edge, nor has a line where it ends smoothly: the distance is infinite.
     """
     match face:
-        case Ruling(sharp=True):
-            return (-face.low, face.direction) if -face.low < face.high else (face.high, -face.direction)
+        case Ruling():
+            low, high = face.ends
+            return low if low[0] < high[0] else high
         case Flat():
             room = face.room(point[None])[0]
             nearest = int(room.argmin())
             return float(room[nearest]), face.inward[nearest]
-    return float("inf"), np.zeros(3)
+    return NO_EDGE
 
 
 def clipped(first: Flat, second: Flat) -> Array:

@@ -1,12 +1,26 @@
-"""Convex hulls of points as Coal's solids."""
+"""Convex solids for Coal: hulls of points, and the pieces of shapes."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import coal
+import numpy as np
 
 from ..arrays import Array
+
+IDENTITY = np.eye(4)
+
+
+class ConvexPiece(NamedTuple):
+    """A convex piece of a shape."""
+
+    geometry: Any
+    """For Coal."""
+    placement: Array = IDENTITY
+    """Pose of the geometry in the shape's frame, shape (4, 4)."""
+    part: int = 0
+    """Which part of the shape it belongs to; 0 but in a compound."""
 
 
 def convex_solid(points: Array) -> Any:

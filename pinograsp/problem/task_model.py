@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
-from ..geometry.contact_faces import ContactFace, Flat, Ruling
+from ..geometry.contact_faces import ContactFace, Flat, placed
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
@@ -82,14 +81,7 @@ class TaskModel:
     def contact_face(self, point: Array) -> ContactFace:
         """Return the contact face of the object at its surface point nearest to a world point; world frame."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
-        face = self.surface.contact_face((point - origin) @ R)
-        match face:
-            case Ruling():
-                bend = None if face.bend is None else R @ face.bend @ R.T
-                return replace(face, direction=R @ face.direction, bend=bend)
-            case Flat():
-                return Flat(face.corners @ R.T + origin, R @ face.normal)
-        return face
+        return placed(self.surface.contact_face((point - origin) @ R), R, origin)
 
 
 def _contact_models(pads: Sequence[PadDescription], stiffness: float) -> ContactModels:

@@ -15,7 +15,7 @@ from ..descriptions import RobotDescription, Scene, robot_for
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
-from .clearance import Placed, enclosure_figure, self_figure, shape_figure
+from .clearance import Placed, Surroundings, enclosure_figure, self_figure, shape_figure
 from .contacts import Pads, contact_figures, footprint_figure, footprints, region_figure, rim_figures
 from .derived import Derived
 from .force_cost import force_cost
@@ -82,9 +82,10 @@ class Verifier:
         of_pads = {pad.link for pad in self._pads}
         beside = standing_out(read, tuple((pad.link, pad.patch) for pad in self._pads))
         others = [mesh for link, mesh in read.meshes.items() if link not in of_pads]
-        self._object_pairs = [(mesh, self._target) for mesh in (*others, *beside.values())]
-        self._pad_pairs = [(mesh, self._target) for link, mesh in read.meshes.items() if link in of_pads]
-        self._obstacle_pairs = [(mesh, obstacle) for mesh in read.moving for obstacle in obstacles]
+        touching = [mesh for link, mesh in read.meshes.items() if link in of_pads]
+        self._around_links = Surroundings((*others, *beside.values()), [self._target])
+        self._around_pads = Surroundings(touching, [self._target])
+        self._obstacles = Surroundings(read.moving, obstacles)
 
     def check(self, claim: Claim) -> Certificate:
         """Recompute every figure of a claim; those of its resistance only if the task says what is to be withstood.
@@ -184,9 +185,9 @@ class Verifier:
         placed = Placed(self._robot.meshes, poses)
         found = [
             *wall_clearances(self._robot.moving, self._walls, poses),
-            *shape_clearances("obstacle clearance", self._obstacle_pairs, placed),
-            *shape_clearances("object clearance", self._object_pairs, placed),
-            *shape_clearances("pad clearance", self._pad_pairs, placed),
+            *shape_clearances("obstacle clearance", self._obstacles, placed),
+            *shape_clearances("object clearance", self._around_links, placed),
+            *shape_clearances("pad clearance", self._around_pads, placed),
             *link_clearances("self clearance", self._enabled, placed),
             *link_clearances("self collision", self._never, placed),
         ]
@@ -227,9 +228,9 @@ class Verifier:
     def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
         margin = self._task.margin
         figures = [enclosure_figure(self._robot.moving, self._walls, poses, margin.enclosure)]
-        if self._obstacle_pairs:
+        if self._obstacles:
             limit = margin.enclosure - 1e-6
-            figures.append(shape_figure("obstacle clearance", self._obstacle_pairs, placed, limit))
+            figures.append(shape_figure("obstacle clearance", self._obstacles, placed, limit))
         return [
             *figures,
             self_figure("self clearance", self._enabled, placed, margin.robot - 1e-6),
@@ -242,7 +243,7 @@ class Verifier:
         What of a pad's link is flush with the pad or behind it counts as the pad.
         """
         limits = {"object clearance": self._task.margin.object - 1e-6, "pad clearance": -PENETRATION}
-        pairs = zip(limits.items(), (self._object_pairs, self._pad_pairs), strict=True)
+        pairs = zip(limits.items(), (self._around_links, self._around_pads), strict=True)
         return [shape_figure(name, given, placed, limit) for (name, limit), given in pairs if given]
 
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:

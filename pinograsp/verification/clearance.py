@@ -19,12 +19,12 @@ from ..arrays import Array
 from .certificate import Figure
 from .kinematics import Poses
 from .link_mesh import LinkMesh
-from .shapes import PlacedShape
+from .shapes import PlacedPart, PlacedShape
 from .shapes.core import PENETRATION
 
 Walls = Mapping[str, tuple[Array, float]]
 LinkPair = tuple[LinkMesh, LinkMesh]
-ShapePair = tuple[LinkMesh, PlacedShape]
+PartPair = tuple[LinkMesh, PlacedPart]
 
 CAP = 0.05
 """Clearances are measured up to this distance, m."""
@@ -59,6 +59,33 @@ class Placed:
         return np.asarray((points - T[:3, 3]) @ T[:3, :3])
 
 
+class Surroundings:
+    """Links, and parts of bodies of the scene that each of them is to keep clear of.
+
+    Args:
+        meshes: of the links.
+        shapes: the bodies.
+    """
+
+    def __init__(self, meshes: Sequence[LinkMesh], shapes: Sequence[PlacedShape]) -> None:
+        self._meshes, self._parts = meshes, [part for shape in shapes for part in shape.parts]
+        self._centers = np.array([part.center for part in self._parts]).reshape(-1, 3)
+        self._radii = np.array([[m.radius + part.radius for part in self._parts] for m in meshes])
+
+    def __bool__(self) -> bool:
+        """Whether there are links and bodies."""
+        return self._radii.size > 0
+
+    def near(self, placed: Placed, most: float) -> tuple[list[PartPair], Array]:
+        """Return the pairs whose bounding spheres are nearer than `most`, m, nearest first, and how far these are."""
+        links = np.array([placed.centers[mesh.link] for mesh in self._meshes]).reshape(-1, 1, 3)
+        apart = np.sqrt(((links - self._centers) ** 2).sum(axis=2)) - self._radii
+        found = np.flatnonzero(apart.ravel() < most)
+        found = found[np.argsort(apart.ravel()[found], kind="stable")]
+        pairs = [(self._meshes[i], self._parts[j]) for i, j in zip(*np.divmod(found, len(self._parts)), strict=True)]
+        return pairs, apart.ravel()[found]
+
+
 def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses, margin: float) -> Figure:
     """Return the least signed distance of a mesh to a wall, m: that of a corner of the mesh's hull."""
     normals = np.array([normal for normal, _ in walls.values()])
@@ -73,13 +100,11 @@ def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses, mar
     return Figure("enclosure clearance", least, margin - 1e-6, "m", "at least", where)
 
 
-def shape_figure(name: str, pairs: Sequence[ShapePair], placed: Placed, limit: float) -> Figure:
-    """Return the least signed distance between a mesh and a shape, m."""
-    centers = np.array([placed.centers[mesh.link] for mesh, _ in pairs])
-    apart = np.linalg.norm(centers - [shape.center for _, shape in pairs], axis=1)
-    bounds = apart - [mesh.radius + shape.radius for mesh, shape in pairs]
+def shape_figure(name: str, around: Surroundings, placed: Placed, limit: float) -> Figure:
+    """Return the least signed distance between a mesh and a body, m."""
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: shape_distance(*pairs[i], placed, most))
+    pairs, bounds = around.near(placed, cap)
+    least, nearest = _least(bounds, cap, lambda i, most: part_distance(*pairs[i], placed, most))
     where = "" if nearest is None else f"{pairs[nearest][0].link} / {pairs[nearest][1].name}"
     return Figure(name, least, limit, "m", "at least", where)
 
@@ -113,26 +138,26 @@ def _least(bounds: Array, cap: float, measure: Callable[[int, float], float]) ->
     return least, nearest
 
 
-def shape_distance(mesh: LinkMesh, shape: PlacedShape, placed: Placed, most: float) -> float:
-    """Return the lesser of `most`, above zero, and the signed distance of a mesh to a shape, m.
+def part_distance(mesh: LinkMesh, part: PlacedPart, placed: Placed, most: float) -> float:
+    """Return the lesser of `most`, above zero, and the signed distance of a mesh to a part, m.
 
-    It is -inf where the mesh enters the innermost core of the shape.
+    It is -inf where the mesh enters the innermost core of the part.
     """
     placement = placed.placements[mesh.link]
     if most > 0.0 and _apart(
-        mesh.hull_solid, placement, shape.cores[0].solid, shape.placement, most + shape.cores[0].inset
+        mesh.hull_solid, placement, part.cores[0].solid, part.placement, most + part.cores[0].inset
     ):
         return most
-    if mesh.surrounds(placed.to_link(mesh.link, shape.center[None])):
+    if mesh.surrounds(placed.to_link(mesh.link, part.center[None])):
         return -math.inf
-    for core in shape.cores:
+    for core in part.cores:
         # The bound stays above zero, which would read as an intersection.
         bound = max(most, 0.0) + core.inset + PENETRATION
-        distance = _distance(mesh.solid, placement, core.solid, shape.placement, bound)
+        distance = _distance(mesh.solid, placement, core.solid, part.placement, bound)
         if distance > 0.0:
             value: float = distance - core.inset
-            # The shape itself was entered if it is not the first core.
-            return value if core is shape.cores[0] else min(value, 0.0)
+            # The part itself was entered if it is not the first core.
+            return value if core is part.cores[0] else min(value, 0.0)
     return -math.inf
 
 

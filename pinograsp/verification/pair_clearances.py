@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from .certificate import PairClearance
-from .clearance import CAP, LinkPair, Placed, ShapePair, Walls, mesh_distance, shape_distance
+from .clearance import CAP, LinkPair, Placed, Surroundings, Walls, mesh_distance, part_distance
 from .kinematics import Poses
 from .link_mesh import LinkMesh
 
@@ -20,12 +20,15 @@ def wall_clearances(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses) -> I
                 yield PairClearance("enclosure clearance", mesh.link, wall, distance)
 
 
-def shape_clearances(name: str, pairs: Sequence[ShapePair], placed: Placed) -> Iterator[PairClearance]:
+def shape_clearances(name: str, around: Surroundings, placed: Placed) -> Iterator[PairClearance]:
     """Yield the signed distances of links to bodies of the scene that are below `CAP`."""
-    for mesh, shape in pairs:
-        distance = shape_distance(mesh, shape, placed, CAP)
+    least: dict[tuple[str, str], float] = {}
+    for mesh, part in around.near(placed, CAP)[0]:
+        pair = mesh.link, part.name
+        least[pair] = min(least.get(pair, CAP), part_distance(mesh, part, placed, least.get(pair, CAP)))
+    for (link, body), distance in least.items():
         if distance < CAP:
-            yield PairClearance(name, mesh.link, shape.name, distance)
+            yield PairClearance(name, link, body, distance)
 
 
 def link_clearances(name: str, pairs: Sequence[LinkPair], placed: Placed) -> Iterator[PairClearance]:

@@ -1,6 +1,6 @@
 """Geometry of the shapes of a scene: one file a shape, registered in `SURFACES`.
 
-A surface gives, in the shape's own frame, the exact signed distance of points with gradient and Hessian, its contact
+A surface gives, in the shape's own frame, the signed distance of points with gradient and Hessian, its contact
 faces, the least width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and
 triangles.
 """
@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from ...arrays import Array
+from ...arrays import Array, Indices
 from ...descriptions import shapes as described
 from ..contact_faces import ContactFace
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation
 from .box import BoxSurface
 from .capsule import CapsuleSurface
+from .compound import CompoundSurface
 from .cone import ConeSurface
 from .cylinder import CylinderSurface
 from .ellipsoid import EllipsoidSurface
@@ -23,18 +25,24 @@ from .sphere import SphereSurface
 
 
 class Surface(Protocol):
-    """A convex shape."""
+    """A shape: convex, or a compound."""
 
     least_width: float
-    """Least distance between two parallel planes that hold the shape between them, m."""
+    """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m."""
     radius: float
     """Of a ball around the frame's origin that contains the shape, m."""
+    edged: bool
+    """Whether some of its contact faces have edges."""
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance (n,), gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3); negative inside.
 
         The gradient on the surface is the outward normal.
         """
+        ...
+
+    def nearest_part(self, points: Array) -> Indices:
+        """Return the part of a compound that each point, shape (n, 3), is nearest to; 0 in other shapes."""
         ...
 
     def contact_face(self, point: Array) -> ContactFace:
@@ -45,8 +53,8 @@ class Surface(Protocol):
         """Return the support function max_p direction . p over the shape, m."""
         ...
 
-    def solids(self) -> tuple[Any, ...]:
-        """Return convex Coal geometries in the shape's frame that together are the shape."""
+    def solids(self) -> tuple[ConvexPiece, ...]:
+        """Return convex pieces that together are the shape."""
         ...
 
     def tessellation(self) -> Tessellation:
@@ -61,6 +69,7 @@ SURFACES: dict[type[described.ShapeDescription], Callable[[Any], Surface]] = {
     described.Capsule: CapsuleSurface,
     described.Cone: ConeSurface,
     described.Ellipsoid: EllipsoidSurface,
+    described.Compound: lambda shape: CompoundSurface(shape, surface_of),
 }
 """The surface of each described shape, made from its description. A new shape is registered here."""
 

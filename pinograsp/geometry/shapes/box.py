@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import coal
 import numpy as np
 import trimesh
@@ -11,10 +9,12 @@ import trimesh
 from ...arrays import Array
 from ...descriptions.shapes import Box
 from ..contact_faces import ContactFace, Flat
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation, tessellation_of
+from .convex import Convex
 
 
-class BoxSurface:
+class BoxSurface(Convex):
     """Geometry of a box around the origin, edges along the axes."""
 
     def __init__(self, shape: Box) -> None:
@@ -52,9 +52,9 @@ class BoxSurface:
         """Return the sum of half edges times |direction|."""
         return float(self._half @ np.abs(direction))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Box."""
-        return (coal.Box(*(2.0 * self._half)),)
+        return (ConvexPiece(coal.Box(*(2.0 * self._half))),)
 
     def tessellation(self) -> Tessellation:
         """Return twelve triangles."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import coal
 import numpy as np
 import trimesh
@@ -11,14 +9,18 @@ import trimesh
 from ...arrays import Array
 from ...descriptions.shapes import Capsule
 from ..contact_faces import ContactFace, Ruling, Spot
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation, tessellation_of
+from .convex import Convex
 
 SECTIONS = 32
 """Sides of its tessellation, and rings of its two half balls."""
 
 
-class CapsuleSurface:
+class CapsuleSurface(Convex):
     """Geometry of a capsule around the z axis; on the axis the normal is taken along x."""
+
+    edged = False
 
     def __init__(self, shape: Capsule) -> None:
         self._radius, self._half = shape.radius, 0.5 * shape.length
@@ -41,15 +43,15 @@ class CapsuleSurface:
         """Return the straight line of the side, which ends where the half balls begin, or a spot of these."""
         if abs(point[2]) > self._half:
             return Spot()
-        return Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2], sharp=False)
+        return Ruling(np.array([0.0, 0.0, 1.0]), -self._half - point[2], self._half - point[2], sharp=(False, False))
 
     def extent(self, direction: Array) -> float:
         """Return r |direction| + l/2 |direction along the axis|."""
         return float(self._radius * np.linalg.norm(direction) + self._half * abs(direction[2]))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Capsule."""
-        return (coal.Capsule(self._radius, 2.0 * self._half),)
+        return (ConvexPiece(coal.Capsule(self._radius, 2.0 * self._half)),)
 
     def tessellation(self) -> Tessellation:
         """Return triangles whose corners lie on the capsule."""

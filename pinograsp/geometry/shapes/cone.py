@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
 import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Cone
 from ..contact_faces import ContactFace, Ruling
-from ..convex_solid import convex_solid
+from ..convex_solid import ConvexPiece, convex_solid
 from ..tessellation import Tessellation
+from .convex import Convex
 from .frustum import frustum_distance
 from .revolved import cap, revolved
 
@@ -19,7 +18,7 @@ SIDES = 180
 """Sides of the solid around the cone that stands for it where distances to links are measured: 0.015 % wider."""
 
 
-class ConeSurface:
+class ConeSurface(Convex):
     """Geometry of a cone around the z axis, its height centred at the origin."""
 
     def __init__(self, shape: Cone) -> None:
@@ -55,13 +54,13 @@ class ConeSurface:
         across, up = math.hypot(direction[0], direction[1]), self._half * direction[2]
         return float(max(self._bottom * across - up, self._top * across + up))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a convex solid of flat sides around the cone: Coal knows none that are truncated."""
         angles = np.arange(SIDES) * 2.0 * math.pi / SIDES
         circle = np.column_stack([np.cos(angles), np.sin(angles)]) / math.cos(math.pi / SIDES)
         ends = ((self._bottom, -self._half), (self._top, self._half))
         rims = [np.column_stack([r * circle, np.full(SIDES, z)])[: SIDES if r else 1] for r, z in ends]
-        return (convex_solid(np.concatenate(rims)),)
+        return (ConvexPiece(convex_solid(np.concatenate(rims))),)
 
     def tessellation(self) -> Tessellation:
         """Return triangles in rings about as high as they are wide."""

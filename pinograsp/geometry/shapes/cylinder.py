@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
 import coal
 import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Cylinder
 from ..contact_faces import ContactFace, Ruling
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation
+from .convex import Convex
 from .frustum import frustum_distance
 from .revolved import cap, revolved
 
 
-class CylinderSurface:
+class CylinderSurface(Convex):
     """Geometry of a cylinder around the origin, axis z; on the axis the radial direction is taken along x."""
 
     def __init__(self, shape: Cylinder) -> None:
@@ -41,9 +41,9 @@ class CylinderSurface:
         across = math.hypot(direction[0], direction[1])
         return float(self._radius * across + self._half * abs(direction[2]))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Cylinder."""
-        return (coal.Cylinder(self._radius, 2.0 * self._half),)
+        return (ConvexPiece(coal.Cylinder(self._radius, 2.0 * self._half)),)
 
     def tessellation(self) -> Tessellation:
         """Return a prism in rings about as high as its sides are wide."""

@@ -9,8 +9,6 @@ the shape operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the dista
 from __future__ import annotations
 
 import math
-from typing import Any
-
 import coal
 import numpy as np
 import trimesh
@@ -19,7 +17,9 @@ from ...arrays import Array
 from ...compiled import compiled
 from ...descriptions.shapes import Ellipsoid
 from ..contact_faces import ContactFace, Spot
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation, tessellation_of
+from .convex import Convex
 
 SUBDIVISIONS = 3
 """Halvings of an icosahedron's triangles for a tessellation: 1280 triangles."""
@@ -28,8 +28,10 @@ _TINY = 1e-9
 _STEPS = 60
 
 
-class EllipsoidSurface:
+class EllipsoidSurface(Convex):
     """Geometry of an ellipsoid around the origin, semi-axes along the axes."""
+
+    edged = False
 
     def __init__(self, shape: Ellipsoid) -> None:
         self._axes = np.array(shape.semi_axes)
@@ -48,9 +50,9 @@ class EllipsoidSurface:
         """Return |a_k direction_k|."""
         return float(np.linalg.norm(self._axes * direction))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Ellipsoid."""
-        return (coal.Ellipsoid(*self._axes),)
+        return (ConvexPiece(coal.Ellipsoid(*self._axes)),)
 
     def tessellation(self) -> Tessellation:
         """Return a ball's triangles, stretched; their corners lie on the ellipsoid."""

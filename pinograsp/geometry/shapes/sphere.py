@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import coal
 import numpy as np
 import trimesh
@@ -11,14 +9,18 @@ import trimesh
 from ...arrays import Array
 from ...descriptions.shapes import Sphere
 from ..contact_faces import ContactFace, Spot
+from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation, tessellation_of
+from .convex import Convex
 
 SUBDIVISIONS = 3
 """Halvings of an icosahedron's triangles for a tessellation: 1280 triangles."""
 
 
-class SphereSurface:
+class SphereSurface(Convex):
     """Geometry of a ball around the origin; at the very centre the gradient is taken along x."""
+
+    edged = False
 
     def __init__(self, shape: Sphere) -> None:
         self.radius = shape.radius
@@ -43,9 +45,9 @@ class SphereSurface:
         """Return r |direction|."""
         return float(self.radius * np.linalg.norm(direction))
 
-    def solids(self) -> tuple[Any, ...]:
+    def solids(self) -> tuple[ConvexPiece, ...]:
         """Return a coal.Sphere."""
-        return (coal.Sphere(self.radius),)
+        return (ConvexPiece(coal.Sphere(self.radius)),)
 
     def tessellation(self) -> Tessellation:
         """Return an icosahedron whose triangles are halved `SUBDIVISIONS` times; its corners lie on the ball."""

@@ -46,5 +46,4 @@ class SurfaceEdge(Inside):
 
 def surface_edge(model: TaskModel) -> SurfaceEdge | None:
     """Return the constraint, or None if the object's surface has no edges."""
-    point = model.desired_points[0]
-    return SurfaceEdge(model) if np.isfinite(edge_distance(model.contact_face(point), point)[0]) else None
+    return SurfaceEdge(model) if model.surface.edged else None

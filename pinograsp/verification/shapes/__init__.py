@@ -7,6 +7,7 @@ A class gives the shape in its own frame; `PlacedShape` puts it into the world. 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import coal
@@ -14,11 +15,12 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.scene import Body
-from ...descriptions.shapes import Box, Capsule, Cone, Cylinder, Ellipsoid, ShapeDescription, Sphere
+from ...descriptions.shapes import Box, Capsule, Compound, Cone, Cylinder, Ellipsoid, ShapeDescription, Sphere
 from .box import BoxGeometry
 from .capsule import CapsuleGeometry
+from .compound import CompoundGeometry
 from .cone import ConeGeometry
-from .core import Geometry
+from .core import Core, Geometry
 from .cylinder import CylinderGeometry
 from .ellipsoid import EllipsoidGeometry
 from .sphere import SphereGeometry
@@ -30,8 +32,29 @@ GEOMETRY: dict[type[ShapeDescription], Callable[[Any], Geometry]] = {
     Capsule: CapsuleGeometry,
     Cone: ConeGeometry,
     Ellipsoid: EllipsoidGeometry,
+    Compound: lambda shape: CompoundGeometry(shape, geometry_of),
 }
 """The geometry of each described shape, made from its description. A new shape is registered here."""
+
+
+def geometry_of(shape: ShapeDescription) -> Geometry:
+    """Return the geometry of a described shape."""
+    return GEOMETRY[type(shape)](shape)
+
+
+@dataclass(frozen=True)
+class PlacedPart:
+    """A convex part of a body, in the world."""
+
+    name: str
+    """Of the body."""
+    center: Array
+    """Origin of the part's frame, m, shape (3,)."""
+    radius: float
+    """Of a ball about the centre that holds the part, m."""
+    cores: tuple[Core, ...]
+    placement: Any
+    """Pose of the part, for Coal."""
 
 
 class PlacedShape:
@@ -39,12 +62,19 @@ class PlacedShape:
 
     def __init__(self, name: str, body: Body) -> None:
         self.name = name
-        self._geometry = GEOMETRY[type(body.shape)](body.shape)
+        self._geometry = geometry_of(body.shape)
         T = body.pose.matrix
         self._rotation, self.center = T[:3, :3], T[:3, 3]
         self.radius = self._geometry.radius_about(np.zeros(3))
-        self.cores = self._geometry.cores
-        self.placement = coal.Transform3s(self._rotation, self.center)
+        whole = ((self._geometry, np.eye(4)),)
+        parts = self._geometry.parts if isinstance(self._geometry, CompoundGeometry) else whole
+        self.parts = tuple(self._part(geometry, T @ pose) for geometry, pose in parts)
+        """Convex parts, of which a link is as far as from the nearest."""
+
+    def _part(self, geometry: Geometry, pose: Array) -> PlacedPart:
+        R, center = pose[:3, :3], pose[:3, 3]
+        radius = geometry.radius_about(np.zeros(3))
+        return PlacedPart(self.name, center, radius, geometry.cores, coal.Transform3s(R, center))
 
     def to_object(self, point: Array) -> Array:
         """Transform world points, shape (..., 3), into the frame of the body."""

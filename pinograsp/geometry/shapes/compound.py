@@ -1,0 +1,177 @@
+"""A compound: all that is in one of several parts.
+
+Outside, the signed distance is the least of those to the parts, which is exact. Inside, it is minus the greatest depth
+in a part: exact where one part alone is, and where parts overlap no more than the depth below the compound's surface.
+Gradient and Hessian are those of the part that is nearest.
+
+The contact face is that of the nearest part. A straight line ends where it enters another part (`_cut`). A flat face is
+left whole: what stands on it keeps pads off itself, as `problem.constraints.pad_clearance` asks, and what ends
+flush with it is touched as the face is. Faces that two parts have in one plane, or lines in one line, are not joined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import Array, Indices
+from ...descriptions.shapes import Compound, Shape
+from ..contact_faces import ContactFace, Ruling, placed
+from ..convex_solid import ConvexPiece
+from ..tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from . import Surface
+
+COVERED = 1e-7
+"""How deep in another part a straight line is covered by it, m: less is flush with it."""
+STEPS = 40
+_CONVERGED = 1e-13
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part at its pose in the compound's frame."""
+
+    surface: Surface
+    placement: Array
+
+    def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance, gradient and Hessian at points (n, 3) of the compound's frame."""
+        R, origin = self.placement[:3, :3], self.placement[:3, 3]
+        distances, gradients, hessians = self.surface.signed_distance((points - origin) @ R)
+        return distances, gradients @ R.T, R @ hessians @ R.T
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the contact face at a point of the compound's frame, in that frame."""
+        R, origin = self.placement[:3, :3], self.placement[:3, 3]
+        return placed(self.surface.contact_face((point - origin) @ R), R, origin)
+
+
+class CompoundSurface:
+    """Geometry of a compound.
+
+    Args:
+        shape: its parts.
+        surface_of: gives the geometry of a part.
+    """
+
+    def __init__(self, shape: Compound, surface_of: Callable[[Shape], Surface]) -> None:
+        self._parts = [_Part(surface_of(part.shape), part.pose.matrix) for part in shape.parts]
+        self.least_width = min(part.surface.least_width for part in self._parts)
+        self.radius = max(float(np.linalg.norm(p.placement[:3, 3])) + p.surface.radius for p in self._parts)
+        self.edged = len(self._parts) > 1 or self._parts[0].surface.edged
+
+    def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance, gradient and Hessian of the nearest part; inside, the distance may be too little."""
+        found = [part.signed_distance(points) for part in self._parts]
+        nearest = np.array([distances for distances, _, _ in found]).argmin(axis=0)
+        chosen, rows = nearest.tolist(), range(len(points))
+        distances, gradients, hessians = (
+            np.array([found[part][which][row] for row, part in zip(rows, chosen, strict=True)]) for which in range(3)
+        )
+        return distances, gradients.reshape(-1, 3), hessians.reshape(-1, 3, 3)
+
+    def nearest_part(self, points: Array) -> Indices:
+        """Return the part that each point is nearest to, or deepest in."""
+        return np.array([part.signed_distance(points)[0] for part in self._parts]).argmin(axis=0)
+
+    def contact_face(self, point: Array) -> ContactFace:
+        """Return the contact face of the nearest part, of a straight line what no other part covers around the point."""
+        own = int(self.nearest_part(point[None])[0])
+        face = self._parts[own].contact_face(point)
+        if isinstance(face, Ruling):
+            distances, normals, hessians = self._parts[own].signed_distance(point[None])
+            foot = point - distances[0] * normals[0]
+            # How the foot moves with the point.
+            follows = np.eye(3) - np.outer(normals[0], normals[0]) - distances[0] * hessians[0]
+            for part in (part for i, part in enumerate(self._parts) if i != own):
+                face = _cut(face, foot, follows, part)
+        return face
+
+    def extent(self, direction: Array) -> float:
+        """Return the largest of what the parts reach."""
+        return max(
+            float(direction @ p.placement[:3, 3]) + p.surface.extent(p.placement[:3, :3].T @ direction)
+            for p in self._parts
+        )
+
+    def solids(self) -> tuple[ConvexPiece, ...]:
+        """Return the pieces of all parts."""
+        return tuple(
+            ConvexPiece(piece.geometry, part.placement @ piece.placement, number)
+            for number, part in enumerate(self._parts)
+            for piece in part.surface.solids()
+        )
+
+    def tessellation(self) -> Tessellation:
+        """Return the triangles of all parts, without those that are wholly inside another part."""
+        vertices, triangles = [], []
+        for part in self._parts:
+            tessellation = part.surface.tessellation()
+            corners = tessellation.vertices @ part.placement[:3, :3].T + part.placement[:3, 3]
+            others = [other.signed_distance(corners)[0] < -COVERED for other in self._parts if other is not part]
+            hidden = [inside[tessellation.triangles].all(axis=1) for inside in others]
+            seen = ~np.any(hidden, axis=0) if hidden else slice(None)
+            triangles.append(tessellation.triangles[seen] + sum(map(len, vertices)))
+            vertices.append(corners)
+        return Tessellation(np.concatenate(vertices), np.concatenate(triangles))
+
+
+def _cut(face: Ruling, foot: Array, follows: Array, part: _Part) -> Ruling:
+    """Return what of a straight line is not in a convex part: up to where it enters it on either side.
+
+    If the point itself is in the part, the line begins or ends where it is out of it, on the nearer side.
+
+    Args:
+        face: the line through the foot.
+        foot: the surface point that is nearest to the point of the line, m, shape (3,).
+        follows: derivative of the foot in the point, shape (3, 3).
+        part: another one than the line's.
+    """
+
+    def depth(t: float) -> tuple[float, float, Array]:
+        """Return how far the line is outside the part at t, the slope of that along it, and the gradient there."""
+        distances, normals, _ = part.signed_distance((foot + t * face.direction)[None])
+        return float(distances[0]) + COVERED, float(normals[0] @ face.direction), normals[0]
+
+    def crossing(t: float, sign: float, last: float) -> float | None:
+        """Return where the line enters the part, from outside it at t on towards `last`; None if it does not.
+
+        The distance to a convex part is convex along the line: Newton's method never steps beyond the crossing.
+        """
+        for _ in range(STEPS):
+            outside, slope, _ = depth(t)
+            if outside <= _CONVERGED:
+                return t
+            if sign * slope >= 0.0:
+                return None
+            t -= outside / slope
+            if sign * (t - last) > 0.0:
+                return None
+        return t
+
+    def slope(t: float) -> Array | None:
+        _, along, normal = depth(t)
+        bend = 0.0 if face.bend is None else face.bend
+        return None if along == 0.0 else np.asarray(-normal @ (follows + t * bend) / along)
+
+    def until(t: float) -> Ruling:
+        return replace(face, high=t, sharp=(face.sharp[0], True), slopes=(face.slopes[0], slope(t)))
+
+    def since(t: float) -> Ruling:
+        return replace(face, low=t, sharp=(True, face.sharp[1]), slopes=(slope(t), face.slopes[1]))
+
+    if depth(0.0)[0] > 0.0:
+        end = crossing(0.0, 1.0, face.high)
+        face = face if end is None else until(end)
+        begin = crossing(0.0, -1.0, face.low)
+        return face if begin is None else since(begin)
+    above = crossing(face.high, -1.0, 0.0) if depth(face.high)[0] > 0.0 else None
+    below = crossing(face.low, 1.0, 0.0) if depth(face.low)[0] > 0.0 else None
+    if above is not None and (below is None or above < -below):
+        return since(above)
+    return replace(face, low=0.0, high=0.0, sharp=(True, True)) if below is None else until(below)
