@@ -37,9 +37,11 @@ from .descriptions.scene import Scene as Scene
 from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box
 from .descriptions.shapes import Capsule as Capsule
+from .descriptions.shapes import Compound as Compound
 from .descriptions.shapes import Cone as Cone
 from .descriptions.shapes import Cylinder as Cylinder
 from .descriptions.shapes import Ellipsoid as Ellipsoid
+from .descriptions.shapes import Part as Part
 from .descriptions.shapes import Sphere as Sphere
 from .descriptions.task import ApproachCone as ApproachCone
 from .descriptions.task import ContactConstants as ContactConstants

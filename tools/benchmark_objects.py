@@ -13,7 +13,7 @@ import math
 import sys
 
 import pinograsp
-from pinograsp import Box, Capsule, Cone, Cylinder, Ellipsoid, Pose, Sphere
+from pinograsp import Box, Capsule, Compound, Cone, Cylinder, Ellipsoid, Part, Pose, Sphere
 
 POSITION = (0.80, 0.02, -0.12)
 """Where every object is, m, world."""
@@ -21,6 +21,23 @@ TURN = (0.0, 0.0, math.radians(30.0))
 SIDE_Y = ((0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 SIDE_X = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))
 ENDS = ((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
+CAN = Compound(
+    parts=(
+        Part(shape=Cylinder(radius=0.033, height=0.1)),
+        Part(shape=Cylinder(radius=0.035, height=0.008), pose=Pose(position=(0.0, 0.0, 0.054))),
+        Part(shape=Box(size=(0.03, 0.01, 0.01)), pose=Pose(position=(0.045, 0.0, 0.025))),
+        Part(shape=Box(size=(0.03, 0.01, 0.01)), pose=Pose(position=(0.045, 0.0, -0.025))),
+        Part(shape=Capsule(radius=0.006, length=0.06), pose=Pose(position=(0.06, 0.0, 0.0))),
+    )
+)
+"""With a lid that stands out and a handle."""
+DUMB_BELL = Compound(
+    parts=(
+        Part(shape=Capsule(radius=0.014, length=0.12)),
+        Part(shape=Sphere(radius=0.03), pose=Pose(position=(0.0, 0.0, 0.06))),
+        Part(shape=Sphere(radius=0.03), pose=Pose(position=(0.0, 0.0, -0.06))),
+    )
+)
 OBJECTS = {
     "sphere": (Sphere(radius=0.0373), SIDE_Y, 0.0373, (0.0, 0.0, 0.0)),
     "cylinder": (Cylinder(radius=0.035, height=0.1), SIDE_Y, 0.035, (0.0, 0.0, 0.0)),
@@ -30,6 +47,8 @@ OBJECTS = {
     "capsule": (Capsule(radius=0.03, length=0.06), SIDE_Y, 0.03, (0.0, 0.0, 0.0)),
     "cone, by its ends": (Cone(bottom_radius=0.04, top_radius=0.03, height=0.05), ENDS, 0.025, (0.0, 0.0, 0.0)),
     "ellipsoid": (Ellipsoid(semi_axes=(0.03, 0.035, 0.05)), SIDE_Y, 0.035, (0.0, 0.0, 0.0)),
+    "can with a lid and a handle": (CAN, SIDE_Y, 0.033, TURN),
+    "dumb-bell, by its bar": (DUMB_BELL, SIDE_Y, 0.014, (0.0, 0.0, 0.0)),
     "flat ellipsoid": (Ellipsoid(semi_axes=(0.06, 0.02, 0.03)), SIDE_Y, 0.02, (0.0, 0.0, 0.0)),
 }
 """Shape, where to touch, how far that is from the origin, m, and roll, pitch, yaw, rad, by name."""

@@ -1,9 +1,16 @@
-"""The pairs of solids that are measured: of bodies that must keep apart."""
+"""The pairs of solids that are measured: of bodies that must keep apart.
+
+What of a link is behind the surface of its pad is kept off a convex object by contact and tangency at the pad, and no
+pair of theirs is measured: its distance is zero at every grasp with the gradient of the contact condition, and as one
+more inequality would only make the problem degenerate. An object of several parts is not so simple: the pad touches one
+of them, and what is behind its surface may run into another. These pairs are measured, with the pads and the part; who
+uses them leaves out those of the part that a pad touches.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, count, product
 from typing import NamedTuple
 
@@ -16,6 +23,10 @@ from .world import CLEARANCES, Body, BodyKey, Role, Solid, World
 
 FLUSH = 2e-5
 """How far a solid may stand out of a pad's surface and still count as behind it, m."""
+PAD_MARGIN = -1e-5
+"""Least distance of what is behind a pad to the parts of the object that the pad does not touch, m: parts may be flush
+with each other."""
+PAD_CLEARANCE = "pad clearance"
 
 
 class PlacedSolid(NamedTuple):
@@ -41,6 +52,10 @@ class Pair:
     second: int
     margin: float
     """Least distance wanted, m."""
+    pads: tuple[int, ...] = ()
+    """Numbers of the pads that the first solid is behind; none but in a pad clearance."""
+    part: int = 0
+    """Part of the object that the second solid belongs to."""
 
     @property
     def name(self) -> str:
@@ -58,10 +73,14 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
     fine = [PlacedSolid(next(numbers), body, solid) for body in carried for solid in body.solids]
     hulls = [PlacedSolid(next(numbers), body, hull.solid) for body in carried for hull in body.hulls]
     others = [PlacedSolid(next(numbers), body, solid) for body in around for solid in body.solids]
-    free = [placed for placed in fine if not _behind_its_pad(robot, placed)]
 
     def to(role: Role) -> list[PlacedSolid]:
         return [placed for placed in others if placed.body.role == role]
+
+    pads = {placed.number: _in_front(robot, placed) for placed in fine}
+    free = [placed for placed in fine if not pads[placed.number]]
+    behind = [placed for placed in fine if pads[placed.number]]
+    of_parts = [placed for placed in to("target") if len({solid.part for solid in placed.body.solids}) > 1]
 
     candidates = [
         *product(hulls, to("wall")),
@@ -69,7 +88,12 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
         *product(free, to("target")),
         *combinations(fine, 2),
     ]
-    return [*fine, *hulls, *others], tuple(_kept_apart(robot, world, candidates))
+    pressed = (
+        replace(pair, kind=PAD_CLEARANCE, margin=PAD_MARGIN, pads=pads[pair.first], part=second.solid.part)
+        for first, second in product(behind, of_parts)
+        for pair in _kept_apart(robot, world, [(first, second)])
+    )
+    return [*fine, *hulls, *others], (*_kept_apart(robot, world, candidates), *pressed)
 
 
 def _kept_apart(robot: Robot, world: World, candidates: Iterable[tuple[PlacedSolid, PlacedSolid]]) -> Iterable[Pair]:
@@ -87,23 +111,19 @@ def _kept_apart(robot: Robot, world: World, candidates: Iterable[tuple[PlacedSol
             yield Pair(CLEARANCES[role], link, other, first.number, second.number, world.margins[role])
 
 
-def _behind_its_pad(robot: Robot, placed: PlacedSolid) -> bool:
-    """Return whether the surface of a pad bounds a link, or this solid of it: as its rubber, or as what backs that.
-
-    Then contact and tangency at the pad already keep the solid off a convex object. Its distance to the
-    object is zero at every grasp with the gradient of the contact condition: as one more inequality it
-    would only make the problem degenerate. What stands out beside the pad keeps its margin from the object.
-    """
+def _in_front(robot: Robot, placed: PlacedSolid) -> tuple[int, ...]:
+    """Return the pads whose surface bounds a link, or this solid of it: as their rubber, or as what backs that."""
     shape, T = placed.solid.shape, placed.body.pose @ placed.solid.placement
     if isinstance(shape, coal.Sphere):
         points, around = T[None, :3, 3], float(shape.radius)
     elif isinstance(shape, coal.ConvexBase):
         points, around = np.array(shape.points()) @ T[:3, :3].T + T[:3, 3], 0.0
     else:
-        return False
-    return any(
-        pad.joint == placed.body.joint
+        return ()
+    return tuple(
+        number
+        for number, pad in enumerate(robot.pads)
+        if pad.joint == placed.body.joint
         and pad.description.link == placed.body.name
         and float(above(pad.patch, (points - pad.translation) @ pad.rotation).max()) + around < FLUSH
-        for pad in robot.pads
     )

@@ -55,6 +55,11 @@ class State:
         return tuple(self.model.contact_face(point) for point in self.contacts.points)
 
     @cached_property
+    def touched_parts(self) -> list[int]:
+        """Part of the object that every contact point is nearest to; 0 but of a compound."""
+        return self.model.touched_parts(self.contacts.points)
+
+    @cached_property
     def distances(self) -> Distances:
         """Signed distances of the pairs of bodies."""
         return self.model.collisions.distances(self.configuration)

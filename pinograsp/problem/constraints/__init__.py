@@ -12,6 +12,7 @@ from .contact_forces import ContactForces
 from .contact_gap import ContactGap
 from .contact_region import contact_region
 from .joint_limits import joint_limits
+from .pad_clearance import pad_clearance
 from .pad_tangency import PadTangency
 from .surface_edge import surface_edge
 from .wrench_balance import wrench_balance
@@ -26,6 +27,7 @@ CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     approach,
     joint_limits,
     Clearance,
+    pad_clearance,
 ]
 """Maker of each constraint of a task, in the order of their rows; None where the task does not ask for it."""
 

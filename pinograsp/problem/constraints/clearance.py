@@ -20,6 +20,7 @@ import numpy as np
 
 from ...arrays import Array, Indices
 from ...collision.distances import REACH
+from ...collision.pairs import PAD_CLEARANCE
 from ...collision.world import CLEARANCES
 from ...compiled import compiled
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
@@ -42,7 +43,7 @@ class Clearance(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        pairs = model.collisions.pairs
+        pairs = tuple(pair for pair in model.collisions.pairs if pair.kind != PAD_CLEARANCE)  # those are the last
         self.links = tuple(dict.fromkeys(pair.link for pair in pairs))
         """Links of the rows."""
         self.rows = tuple(f"clearance of {link}" for link in self.links)
@@ -52,19 +53,23 @@ class Clearance(Inside):
         self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def inside(self, state: State) -> Residual:
-        measured = state.distances
-        above = measured.values - self._margins[measured.indices]
-        links = self._link_of[measured.indices]
-        values, jacobian = _smooth_minima(above, measured.gradients, links, self._counts, REACH)
+        indices, above, gradients = self._measured(state)
+        values, jacobian = _smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
         rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
         return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
+    def _measured(self, state: State) -> tuple[Indices, Array, Array]:
+        """Return the pairs that were measured, their distances above their margins, m, and the gradients."""
+        measured = state.distances
+        count = int(np.searchsorted(measured.indices, len(self._pairs)))
+        indices = measured.indices[:count]
+        return indices, measured.values[:count] - self._margins[indices], measured.gradients[:count]
+
     def violations(self, state: State) -> list[Violation]:
         """Return the violation of each figure of which a pair was measured."""
-        measured = state.distances
-        above = measured.values - self._margins[measured.indices]
+        indices, above, _ = self._measured(state)
         worst: dict[str, tuple[float, str]] = {}
-        for index, value in zip(measured.indices.tolist(), above.tolist(), strict=True):
+        for index, value in zip(indices.tolist(), above.tolist(), strict=True):
             pair = self._pairs[index]
             if pair.kind not in worst or value < worst[pair.kind][0]:
                 worst[pair.kind] = (value, pair.name)
