@@ -48,6 +48,12 @@ class ForeignObject:
         """The mesh in the cache folder; `fetch` puts it there."""
         return cache_folder() / "foreign" / f"{self.sha256[:16]}{Path(self.path).suffix.lower()}"
 
+    @property
+    def cells(self) -> list[str]:
+        """Triangles, width, whether it is convex and watertight, for a table."""
+        kinds = ["yes" if value else "no" for value in (self.convex, self.watertight)]
+        return [f"{self.triangles:,}", str(self.width), *kinds]
+
 
 def foreign_objects() -> dict[str, ForeignObject]:
     """Return the entries of the list by name."""
@@ -89,9 +95,8 @@ def main() -> None:
     print("| object | package | licence | scale | triangles | width, mm | convex | watertight |")
     print("|---|---|---|---|---|---|---|---|")
     for name, thing in foreign_objects().items():
-        yes = ["yes" if value else "no" for value in (thing.convex, thing.watertight)]
         source = f"{thing.package} {thing.version} | {thing.licence}"
-        print(f"| {name} | {source} | {thing.scale:g} | {thing.triangles:,} | {thing.width} | {' | '.join(yes)} |")
+        print(f"| {name} | {source} | {thing.scale:g} | {' | '.join(thing.cells)} |")
 
 
 if __name__ == "__main__":
