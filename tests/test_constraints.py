@@ -99,9 +99,24 @@ def ellipsoid_task(gen3: Robot, glovebox: Scene) -> TaskModel:
     return TaskModel(gen3, scene, "sphere")
 
 
+@pytest.fixture(scope="module")
+def compound_task(gen3: Robot, can_scene: Scene) -> TaskModel:
+    """Flat pads along a can with a lid and a leaning handle; contacts keep off the rims and what they run into."""
+    handle = {"type": "box", "size": (0.03, 0.012, 0.06)}
+    parts = [
+        {"shape": {"type": "cylinder", "radius": 0.0423, "height": 0.1}},
+        {"shape": {"type": "cylinder", "radius": 0.045, "height": 0.008}, "pose": {"position": (0.0, 0.0, 0.054)}},
+        {"shape": handle, "pose": {"position": (0.05, 0.0, 0.0), "rpy": (0.3, 0.2, 0.1)}},
+    ]
+    scene = changed(can_scene, "objects", "can", shape={"type": "compound", "parts": parts})
+    points, band = ((0.0, 0.0423, 0.0), (0.0, -0.0423, 0.0)), {"type": "band", "z": (-0.03, 0.04)}
+    keys = {"desired_contacts": points, "allowed_contacts": band, "reserve": {"rim": 0.002}}
+    return TaskModel(gen3, changed(scene, "tasks", "can", **keys), "can")
+
+
 TASKS = {"sphere_task": 3, "soft_task": 3, "toy_task": 3, "box_task": 3}  # seeds of each
 TASKS |= {"paper_task": 1, "curved_task": 2, "mixed_task": 3, "limited_task": 3, "line_task": 2}
-TASKS |= {"cone_task": 2, "ellipsoid_task": 1}
+TASKS |= {"cone_task": 2, "ellipsoid_task": 1, "compound_task": 2}
 WHERE = ["random", "near"]
 
 

@@ -5,8 +5,9 @@ The cheapest exact tests come first:
 1. a link whose centre is beyond a wall, or nearer to it than the margin, is out (the centre lies in the hull);
 2. so is one with any of a few extreme vertices there;
 3. the distance of a convex hull to a half-space is that of its nearest vertex: one matrix product for many;
-4. Coal measures the pairs of links whose bounding spheres come closer than `CAP`: first the hulls of the links, then,
-   where these are closer than what is known so far, the convex pieces, nearest first.
+4. Coal measures the pairs of bodies whose bounding spheres and boxes come closer than `CAP`: first the hulls of the
+   links, then, where these are closer than what is known so far, the convex pieces, nearest first. Obstacles that are
+   near to a link are found by a tree.
 
 What is left keeps the margins, and its least distance is known up to `CAP`.
 """
@@ -22,8 +23,11 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Indices, Mask
+from ..compiled import compiled
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
 from ..kinematics.robot import Robot
+from .ball_tree import BallTree
+from .boxes import ROUNDING, box_gap, half_edges
 from .solids import distance_request
 from .world import Body, Hull, Solid, World
 
@@ -46,6 +50,11 @@ class _Placed:
     def key(self) -> bytes:
         """Equal for solids with one pose."""
         return self.group.to_bytes(4, "little", signed=True) + self.placement.tobytes()
+
+    def pose(self, frames: GroupFrames, which: int) -> Any:
+        """Return the pose in the world for one configuration; of what an arm joint moves."""
+        local, R = self.placement, frames.rotations[self.group, which]
+        return coal.Transform3s(R @ local[:3, :3], R @ local[:3, 3] + frames.translations[self.group, which])
 
     def poses(self, frames: GroupFrames, which: Indices) -> list[Any]:
         """Return the poses in the world for some configurations."""
@@ -73,13 +82,18 @@ class BatchClearance:
         self._cap = max(CAP, *world.margins.values())
         walls = [wall.solids[0].shape for wall in world.of("wall")]
         self._normals, self._offsets = np.array([wall.n for wall in walls]), np.array([wall.d for wall in walls])
-        self._hulls = [self._with_parts(body, hull) for body in world.of("link", "obstacle") for hull in body.hulls]
-        links = [hull for hull in self._hulls if hull.body.role == "link"]
+        links = [self._with_parts(body, hull) for body in world.of("link") for hull in body.hulls]
         moving = [hull for hull in links if hull.group != WORLD]
-        obstacles = [hull for hull in self._hulls if hull.body.role == "obstacle"]
+        self._moving = moving
+        self._pieces = [part for hull in moving for part in hull.parts]
+        self._boxes = _boxes(self._pieces)
+        self._obstacles = [self._placed(body, solid) for body in world.of("obstacle") for solid in body.solids]
+        self._their_boxes = _boxes(self._obstacles)
+        self._stands = [coal.Transform3s(o.placement[:3, :3], o.placement[:3, 3]) for o in self._obstacles]
+        self._tree = BallTree.of(self._their_boxes[1], np.array([obstacle.radius for obstacle in self._obstacles]))
         self._pairs = [
-            (a, b, world.margins[b.body.role])
-            for a, b in [*product(moving, obstacles), *combinations(links, 2)]
+            (a, b, world.margins["link"])
+            for a, b in combinations(links, 2)
             if a.group != b.group and world.keep_apart(a.body, b.body, robot.supports)
         ]
         self._request = distance_request()
@@ -136,8 +150,10 @@ class BatchClearance:
 
     def _pair_clearance(self, frames: GroupFrames, clearance: Array) -> Array:
         """Lower the clearances by pairs of bodies; -inf where a margin is not kept."""
-        centers = {id(hull): frames.place(hull.group, hull.center) for hull in self._hulls}
         result = clearance.copy()
+        if self._obstacles:
+            self._lower_by_obstacles(frames, result)
+        centers = {id(hull): frames.place(hull.group, hull.center) for pair in self._pairs for hull in pair[:2]}
         for a, b, margin in self._pairs:
             # A pair matters below what is known, and below its margin in any case; once it is out, nowhere.
             most = np.where(np.isfinite(result), np.maximum(result, margin), -np.inf)
@@ -149,6 +165,46 @@ class BatchClearance:
                 distances = self._piece_distances(_take(frames, near), most[near], a, b)
             result[near] = np.where(distances < margin, -np.inf, np.minimum(result[near], distances))
         return result
+
+    def _lower_by_obstacles(self, frames: GroupFrames, result: Array) -> None:
+        """Lower the clearances by obstacles: in each configuration by the pair of pieces that may be nearest first."""
+        margin, poses = self._margins["obstacle"], dict[tuple[int, bytes], Any]()
+        which, pieces, members, bounds = self._near_obstacles(frames, np.maximum(result, margin))
+        order, known = np.lexsort((bounds, which)), result.tolist()
+        pairs = (numbers[order].tolist() for numbers in (which, pieces, members, bounds))
+        for n, number, member, bound in zip(*pairs, strict=True):
+            if bound >= max(known[n], margin) or known[n] == -np.inf:
+                continue
+            piece = self._pieces[number]
+            at = poses.get((n, piece.key))  # pieces of one mesh have one pose
+            if at is None:
+                at = poses[n, piece.key] = piece.pose(frames, n)
+            distance = self._distance(piece.shape, at, self._obstacles[member].shape, self._stands[member])
+            known[n] = -np.inf if distance < margin else min(known[n], distance)
+        result[:] = known
+
+    def _near_obstacles(self, frames: GroupFrames, most: Array) -> tuple[Indices, Indices, Indices, Array]:
+        """Return the pairs of a piece of a link and an obstacle's that may be nearer than `most`, m, shape (N,).
+
+        Returns:
+            Configurations, numbers of the pieces and of the obstacles' pieces, and lower bounds of the distances, m,
+            each of shape (pairs,).
+        """
+        found, first = [], 0
+        for hull in self._moving:
+            R, p = frames.rotations[hull.group], frames.translations[hull.group]
+            count = len(hull.parts)
+            halves = np.tile(half_edges(hull.shape), (len(p), 1))
+            rows, members = self._tree.near(R @ hull.placement[:3, :3], R @ hull.center + p, halves, most)
+            placements, centers, own = (part[first : first + count] for part in self._boxes)
+            rotations, theirs, their_halves = self._their_boxes
+            which, parts, members, bounds = _close(
+                rows, members, R, p, placements, centers, own, rotations, theirs, their_halves, most
+            )
+            found.append((which, first + parts, members, bounds))
+            first += count
+        which, pieces, members, bounds = (np.concatenate(part) for part in zip(*found, strict=True))
+        return which, pieces, members, bounds
 
     def _distances(self, frames: GroupFrames, which: Indices, a: _Hull, b: _Hull) -> Array:
         """Return the distances of two hulls in some configurations, shape (n,)."""
@@ -180,8 +236,65 @@ class BatchClearance:
         return float(coal.distance(first, at, second, there, self._request, coal.DistanceResult()))
 
 
+@compiled
+def _close(
+    rows: Indices,
+    members: Indices,
+    R: Array,
+    p: Array,
+    placements: Array,
+    centers: Array,
+    halves: Array,
+    rotations: Array,
+    theirs: Array,
+    their_halves: Array,
+    most: Array,
+) -> tuple[Indices, Indices, Indices, Array]:
+    """Return the pairs of a link's pieces and obstacles' whose boxes may be nearer than `most`, with their gap.
+
+    Args:
+        rows: configurations in which the link's hull is near to an obstacle's piece, shape (k,).
+        members: which pieces these are, shape (k,).
+        R: rotations of the link's group, shape (N, 3, 3).
+        p: its translations, m, shape (N, 3).
+        placements: rotations of the link's pieces in the group, shape (pieces, 3, 3).
+        centers: of their boxes in the group, m, shape (pieces, 3).
+        halves: half edges of their boxes, m, shape (pieces, 3).
+        rotations: of the obstacles' pieces in the world, shape (n, 3, 3).
+        theirs: centres of their boxes in the world, m, shape (n, 3).
+        their_halves: half edges of their boxes, m, shape (n, 3).
+        most: m, shape (N,).
+    """
+    size = len(rows) * len(centers)
+    which, pieces, found = np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp)
+    bounds, count = np.empty(size), 0
+    turned, apart = np.empty((3, 3)), np.empty(3)
+    for k in range(len(rows)):
+        n, member = rows[k], members[k]
+        for piece in range(len(centers)):
+            for i in range(3):
+                apart[i] = theirs[member, i] - p[n, i]
+                for j in range(3):
+                    apart[i] -= R[n, i, j] * centers[piece, j]
+                    turned[i, j] = 0.0
+                    for m in range(3):
+                        turned[i, j] += R[n, i, m] * placements[piece, m, j]
+            gap = box_gap(turned, halves[piece], rotations[member], their_halves[member], apart)
+            if gap < most[n] + ROUNDING:
+                which[count], pieces[count], found[count], bounds[count] = n, piece, member, gap - ROUNDING
+                count += 1
+    return which[:count].copy(), pieces[:count].copy(), found[:count].copy(), bounds[:count].copy()
+
+
 def _take(frames: GroupFrames, which: Indices | Mask) -> GroupFrames:
     return GroupFrames(frames.rotations[:, which], frames.translations[:, which])
+
+
+def _boxes(solids: list[_Placed]) -> tuple[Array, Array, Array]:
+    """Return rotations (n, 3, 3), centres (n, 3) and half edges (n, 3) of bounding boxes in the groups' frames, m."""
+    rotations = np.array([solid.placement[:3, :3] for solid in solids]).reshape(-1, 3, 3)
+    centers, halves = ([s.center for s in solids], [half_edges(s.shape) for s in solids])
+    return rotations, np.array(centers).reshape(-1, 3), np.array(halves).reshape(-1, 3)
 
 
 def _vertices(hull: _Hull) -> Array:

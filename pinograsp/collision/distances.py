@@ -6,9 +6,9 @@ For a pair with witness points p1, p2 and unit normal n from the first body to t
 
 with world Jacobian columns J and the joints that move each body.
 
-Pairs whose bounding spheres are `REACH` or more beyond their margin are not measured: their distance is known to
-be at least that, and users of the distances must treat all such values alike (`problem.constraints.clearance` does, so
-that culling never makes a constraint jump).
+Pairs whose bounding spheres or boxes are `REACH` or more beyond their margin are not measured: their distance is known
+to be at least that, and users of the distances must treat all such values alike (`problem.constraints.clearance` does,
+so that culling never makes a constraint jump). Obstacles are found by a tree.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ from ..arrays import Array, Indices
 from ..compiled import compiled
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
+from .ball_tree import BallTree
+from .boxes import ROUNDING, box_gap, half_edges
 from .pairs import pairs_of
 from .solids import distance_request
 from .world import BodyKey, World
@@ -65,6 +67,25 @@ class CollisionModel:
         self._first = np.array([pair.first for pair in self.pairs])
         self._second = np.array([pair.second for pair in self.pairs])
         self._reach = REACH + np.array([pair.margin for pair in self.pairs])
+        self._halves = np.array(
+            [np.zeros(3) if isinstance(shape, coal.Halfspace) else half_edges(shape) for shape in self.shapes]
+        )
+        """Half edges of the bounding boxes, in the solids' frames, m, shape (solids, 3)."""
+        self._moving = np.flatnonzero(self.joints)
+        self._obstacles = np.array([p.number for p in solids if p.body.role == "obstacle"], dtype=np.intp)
+        columns = np.zeros(len(solids), dtype=np.intp)
+        columns[self._obstacles] = np.arange(len(self._obstacles))
+        # Which pair a solid and an obstacle make; -1: none.
+        self._table = np.full((len(solids), len(self._obstacles)), -1, dtype=np.intp)
+        around = np.isin(self._second, self._obstacles)
+        self._table[self._first[around], columns[self._second[around]]] = np.flatnonzero(around)
+        self._others = np.flatnonzero(~around)
+        met = set(self._first[around].tolist())
+        hulls = [p for p in solids if met.intersection(p.parts)]
+        self._hulls = np.array([hull.number for hull in hulls], dtype=np.intp)
+        self._parts = np.array([part for hull in hulls for part in hull.parts], dtype=np.intp)
+        self._ends = np.cumsum([0, *(len(hull.parts) for hull in hulls)])
+        self._around = np.full(len(hulls), REACH + world.margins.get("obstacle", 0.0))
         self._moves = robot.supports[self.joints[self._second]] - robot.supports[self.joints[self._first]]
         # Of the walls, in their own frames; rows of other solids are not used.
         self._normals, self._offsets = np.zeros((len(solids), 3)), np.zeros(len(solids))
@@ -76,6 +97,14 @@ class CollisionModel:
         self._poses = [coal.Transform3s() for _ in solids]
         self._result = coal.DistanceResult()
         self._queries: list[Any] = [None] * len(self.pairs)
+        self._stand()
+
+    def _stand(self) -> None:
+        """Place what no joint moves, and make the tree of the obstacles."""
+        self._rotations, self._translations = self.placements[:, :3, :3].copy(), self.placements[:, :3, 3].copy()
+        at = self._obstacles
+        centers = np.einsum("nij,nj->ni", self._rotations[at], self._centers[at]) + self._translations[at]
+        self._tree = BallTree.of(centers, self._radii[at])
 
     def moved(self, key: BodyKey, pose: Array) -> CollisionModel:
         """Return the model with one body at another pose in its parent's frame, shape (4, 4); nothing is rebuilt.
@@ -92,6 +121,7 @@ class CollisionModel:
         for number, owner in enumerate(self._owners):
             if owner == key:
                 model.placements[number] = pose @ self._local[number]
+        model._stand()
         return model
 
     def _query(self, index: int) -> Any:
@@ -105,24 +135,45 @@ class CollisionModel:
     def distances(self, configuration: Configuration) -> Distances:
         """Measure every pair that may be closer than `REACH` beyond its margin."""
         rotations, translations = self._placed(configuration)
-        indices = _near(
+        indices = self._near(rotations, translations)
+        values, points, normals = self._measure(indices, rotations, translations)
+        gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
+        return Distances(indices, values, gradients)
+
+    def _near(self, rotations: Array, translations: Array) -> Indices:
+        """Return the pairs that can be nearer than their reach, ascending."""
+        at = _centers(rotations, translations, self._centers)
+        hulls = self._hulls
+        rows, columns = self._tree.near(rotations[hulls], at[hulls], self._halves[hulls], self._around)
+        candidates = _candidates(self._others, rows, columns, self._table, self._parts, self._ends)
+        return _near(
+            candidates,
             rotations,
             translations,
-            self._centers,
+            at,
             self._radii,
+            self._halves,
             self._normals,
             self._offsets,
             self._first,
             self._second,
             self._reach,
         )
-        values, points, normals = self._measure(indices, rotations, translations)
-        gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
-        return Distances(indices, values, gradients)
 
     def _placed(self, configuration: Configuration) -> tuple[Array, Array]:
         """Return the poses of all solids: rotations (solids, 3, 3), translations (solids, 3), world."""
-        return _placed(configuration.rotations, configuration.translations, self.joints, self.placements)
+        rotations, translations = self._rotations.copy(), self._translations.copy()
+        moving, joints = self._moving, self.joints
+        _place(
+            rotations,
+            translations,
+            configuration.rotations,
+            configuration.translations,
+            moving,
+            joints,
+            self.placements,
+        )
+        return rotations, translations
 
     def measure(self, indices: Indices, configuration: Configuration) -> tuple[Array, Array, Array]:
         """Measure some pairs, whether near or not.
@@ -150,69 +201,121 @@ class CollisionModel:
 
 
 @compiled
-def _placed(
-    joint_rotations: Array, joint_translations: Array, joints: Indices, placements: Array
-) -> tuple[Array, Array]:
-    """Return rotations and translations of solids that are placed in the frames of joints."""
-    rotations, translations = np.zeros((len(joints), 3, 3)), np.empty((len(joints), 3))
-    for solid in range(len(joints)):
+def _place(
+    rotations: Array,
+    translations: Array,
+    joint_rotations: Array,
+    joint_translations: Array,
+    moving: Indices,
+    joints: Indices,
+    placements: Array,
+) -> None:
+    """Set rotations and translations of the solids that are placed in the frames of moving joints."""
+    for solid in moving:
         joint = joints[solid]
         for row in range(3):
             translations[solid, row] = joint_translations[joint, row]
+            for column in range(3):
+                rotations[solid, row, column] = 0.0
             for k in range(3):
                 translations[solid, row] += joint_rotations[joint, row, k] * placements[solid, k, 3]
                 for column in range(3):
                     rotations[solid, row, column] += joint_rotations[joint, row, k] * placements[solid, k, column]
-    return rotations, translations
+
+
+@compiled
+def _centers(rotations: Array, translations: Array, centers: Array) -> Array:
+    """Return the centres of the bounding spheres in the world, m, shape (solids, 3)."""
+    at = translations.copy()
+    for solid in range(len(at)):
+        for row in range(3):
+            for k in range(3):
+                at[solid, row] += rotations[solid, row, k] * centers[solid, k]
+    return at
+
+
+@compiled
+def _candidates(
+    others: Indices, hulls: Indices, columns: Indices, table: Indices, parts: Indices, ends: Indices
+) -> Indices:
+    """Return the other pairs, and those of the parts of hulls with obstacles that these are near to, ascending."""
+    most = 0
+    for hull in hulls:
+        most += ends[hull + 1] - ends[hull]
+    met, count = np.empty(most, dtype=np.intp), 0
+    for k in range(len(hulls)):
+        for part in parts[ends[hulls[k]] : ends[hulls[k] + 1]]:
+            pair = table[part, columns[k]]
+            if pair >= 0:
+                met[count] = pair
+                count += 1
+    met = np.sort(met[:count])
+    found = np.empty(len(others) + count, dtype=np.intp)
+    i, j = 0, 0
+    for k in range(len(found)):
+        if j == count or (i < len(others) and others[i] < met[j]):
+            found[k] = others[i]
+            i += 1
+        else:
+            found[k] = met[j]
+            j += 1
+    return found
 
 
 @compiled
 def _near(
+    candidates: Indices,
     rotations: Array,
     translations: Array,
-    centers: Array,
+    at: Array,
     radii: Array,
+    halves: Array,
     normals: Array,
     offsets: Array,
     first: Indices,
     second: Indices,
     reach: Array,
 ) -> Indices:
-    """Return the pairs that can be nearer than their reach, from bounding spheres; walls have an infinite radius.
+    """Return the pairs that can be nearer than their reach, from bounding spheres and boxes.
 
     Args:
+        candidates: pairs that are looked at, shape (candidates,).
         rotations: rotations of the solids, shape (solids, 3, 3).
         translations: translations of the solids, world, m, shape (solids, 3).
-        centers: of the bounding spheres, in the solids' frames, m, shape (solids, 3).
-        radii: of the solids, m, shape (solids,).
+        at: centres of the bounding spheres and boxes, world, m, shape (solids, 3).
+        radii: of the solids, m, shape (solids,); infinite for walls.
+        halves: half edges of the bounding boxes, m, shape (solids, 3).
         normals: of the walls, inward, in their own frames, shape (solids, 3).
         offsets: of the walls: normal . p on them, m, shape (solids,).
         first: solid of every pair, shape (pairs,).
         second: solid or wall of every pair, shape (pairs,).
         reach: of every pair, m, shape (pairs,).
     """
-    at = translations.copy()
-    for solid in range(len(at)):
-        for row in range(3):
-            for k in range(3):
-                at[solid, row] += rotations[solid, row, k] * centers[solid, k]
-    near = np.empty(len(first), dtype=np.intp)
-    count = 0
-    for pair in range(len(first)):
+    near = np.empty(len(candidates), dtype=np.intp)
+    count, apart = 0, np.empty(3)
+    for pair in candidates:
         a, b = first[pair], second[pair]
         if math.isinf(radii[b]):
-            height = -offsets[b]
+            height, extent = -offsets[b], 0.0
+            apart[:] = 0.0  # the wall's normal in the frame of the other solid
             for axis in range(3):
                 inward = 0.0
                 for k in range(3):
                     inward += rotations[b, axis, k] * normals[b, k]
                 height += (at[a, axis] - translations[b, axis]) * inward
-            close = height - radii[a] < reach[pair]
+                for k in range(3):
+                    apart[k] += rotations[a, axis, k] * inward
+            for k in range(3):
+                extent += halves[a, k] * abs(apart[k])
+            close = height - min(radii[a], extent) < reach[pair] + ROUNDING
         else:
             square, limit = 0.0, reach[pair] + radii[a] + radii[b]
             for axis in range(3):
-                square += (at[a, axis] - at[b, axis]) ** 2
+                apart[axis] = at[b, axis] - at[a, axis]
+                square += apart[axis] ** 2
             close = square < limit * limit
+            if close:
+                close = box_gap(rotations[a], halves[a], rotations[b], halves[b], apart) < reach[pair] + ROUNDING
         if close:
             near[count] = pair
             count += 1

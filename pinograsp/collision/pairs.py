@@ -10,8 +10,7 @@ uses them leaves out those of the part that a pad touches.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from itertools import combinations, count, product
+from itertools import chain, combinations, count, product
 from typing import NamedTuple
 
 import coal
@@ -35,10 +34,11 @@ class PlacedSolid(NamedTuple):
     number: int
     body: Body
     solid: Solid
+    parts: tuple[int, ...] = ()
+    """Numbers of the solids that it is the hull of; none of a solid that is measured itself."""
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """Two solids that must keep apart."""
 
     kind: str
@@ -71,7 +71,14 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
     numbers = count()
     carried, around = world.of("link", "held"), world.of("wall", "obstacle", "target")
     fine = [PlacedSolid(next(numbers), body, solid) for body in carried for solid in body.solids]
-    hulls = [PlacedSolid(next(numbers), body, hull.solid) for body in carried for hull in body.hulls]
+    own: dict[BodyKey, list[int]] = {}
+    for placed in fine:
+        own.setdefault(placed.body.key, []).append(placed.number)
+    hulls = [
+        PlacedSolid(next(numbers), body, hull.solid, tuple(own[body.key][part] for part in hull.parts))
+        for body in carried
+        for hull in body.hulls
+    ]
     others = [PlacedSolid(next(numbers), body, solid) for body in around for solid in body.solids]
 
     def to(role: Role) -> list[PlacedSolid]:
@@ -82,14 +89,11 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
     behind = [placed for placed in fine if pads[placed.number]]
     of_parts = [placed for placed in to("target") if len({solid.part for solid in placed.body.solids}) > 1]
 
-    candidates = [
-        *product(hulls, to("wall")),
-        *product(fine, to("obstacle")),
-        *product(free, to("target")),
-        *combinations(fine, 2),
-    ]
+    candidates = chain(
+        product(hulls, to("wall")), product(fine, to("obstacle")), product(free, to("target")), combinations(fine, 2)
+    )
     pressed = (
-        replace(pair, kind=PAD_CLEARANCE, margin=PAD_MARGIN, pads=pads[pair.first], part=second.solid.part)
+        pair._replace(kind=PAD_CLEARANCE, margin=PAD_MARGIN, pads=pads[pair.first], part=second.solid.part)
         for first, second in product(behind, of_parts)
         for pair in _kept_apart(robot, world, [(first, second)])
     )
@@ -98,17 +102,25 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
 
 def _kept_apart(robot: Robot, world: World, candidates: Iterable[tuple[PlacedSolid, PlacedSolid]]) -> Iterable[Pair]:
     """Return the pairs of solids whose bodies must keep apart."""
-    apart: dict[tuple[BodyKey, BodyKey], bool] = {}
+    apart: dict[tuple[int, int], tuple[str, str, str, float] | None] = {}
     for first, second in candidates:
-        bodies = first.body.key, second.body.key
+        bodies = id(first.body), id(second.body)
         if bodies not in apart:
-            apart[bodies] = world.keep_apart(first.body, second.body, robot.supports)
-        if apart[bodies]:
-            role = second.body.role
-            link, other = first.body.name, second.body.name
-            if role in {"link", "held"}:  # the outer one comes later
-                link, other = other, link
-            yield Pair(CLEARANCES[role], link, other, first.number, second.number, world.margins[role])
+            apart[bodies] = _said(world, first.body, second.body, robot)
+        said = apart[bodies]
+        if said is not None:
+            kind, link, other, margin = said
+            yield Pair(kind, link, other, first.number, second.number, margin)
+
+
+def _said(world: World, first: Body, second: Body, robot: Robot) -> tuple[str, str, str, float] | None:
+    """Return kind, link, other body and margin of the pairs of two bodies, or None if they may touch."""
+    if not world.keep_apart(first, second, robot.supports):
+        return None
+    link, other, role = first.name, second.name, second.role
+    if role in {"link", "held"}:  # the outer one comes later
+        link, other = other, link
+    return CLEARANCES[role], link, other, world.margins[role]
 
 
 def _in_front(robot: Robot, placed: PlacedSolid) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from .. import notebook
-from .shapes import ShapeDescription
+from .shapes import Compound, ShapeDescription
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -34,6 +34,8 @@ def _in_brackets(numbers: Iterable[float]) -> str:
 
 
 def _shown(shape: ShapeDescription) -> str:
+    if isinstance(shape, Compound):
+        return "compound of " + ", ".join(part.shape.type for part in shape.parts)
     sizes = shape.model_dump(exclude={"type"}).items()
     shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
     return ", ".join([shape.type, *shown])

@@ -10,6 +10,7 @@ The model's rest position is the grasp, and the drive is part of it: opened in a
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,7 +26,7 @@ from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
 from .drive import Drive, coupled, numbers, servos
 from .hand import HandLink, factors, hand_links
-from .objects import object_body, required_mass
+from .objects import object_body, placed, required_mass
 from .options import HoldOptions
 from .pads import pad_geom, torsional_friction
 from .pieces import link_pieces
@@ -140,7 +141,7 @@ class HandAndObject:
             xml=ET.tostring(root, encoding="unicode"),
             gravity=gravity,
             torque=np.array(self._task.wrench.torque),
-            inertia=self._mass * (R * self._body.inertia) @ R.T,
+            inertia=self._mass * R @ self._body.inertia @ R.T,
             slack=np.array(drive.slack),
             yields=self._servos,
         )
@@ -156,7 +157,7 @@ class HandAndObject:
         bodies: dict[str | None, ET.Element] = {None: world}
         for link in self._links:
             T = poses[link.name] if link.parent is None else np.linalg.inv(poses[link.parent]) @ poses[link.name]
-            body = ET.SubElement(bodies[link.parent], "body", _placed(T), name=link.name, gravcomp="1")
+            body = ET.SubElement(bodies[link.parent], "body", placed(T), name=link.name, gravcomp="1")
             bodies[link.name] = body
             _add_inertia(body, link)
             if link.joint is not None and link.joint.name in drive.joints:
@@ -181,7 +182,7 @@ class HandAndObject:
         T[:3, :3], T[:3, 3] = pad.patch.rotation, pad.patch.origin
         if self._servos:
             # Structural compliance (3.1): the pad gives along each axis of its frame.
-            body = ET.SubElement(body, "body", _placed(T), name=f"pad of {pad.link}: {pad.name}", gravcomp="1")
+            body = ET.SubElement(body, "body", placed(T), name=f"pad of {pad.link}: {pad.name}", gravcomp="1")
             inertia = numbers([1e-6] * 3)
             ET.SubElement(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=inertia)
             stiffness = self._robot.stiffness.contact
@@ -198,17 +199,16 @@ class HandAndObject:
         attributes |= _FIRM if self._servos else {}
         name, colour = f"{PAD}:{pad.name}", "0.15 0.15 0.17 1"
         ET.SubElement(
-            body, "geom", attributes | _placed(T @ P), name=name, type=solid.kind, size=numbers(solid.size), rgba=colour
+            body, "geom", attributes | placed(T @ P), name=name, type=solid.kind, size=numbers(solid.size), rgba=colour
         )
 
     def _add_object(self, world: ET.Element, pose: Array) -> None:
-        body = ET.SubElement(world, "body", _placed(pose), name=OBJECT)
+        body = ET.SubElement(world, "body", placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
-        inertia = numbers(self._mass * self._body.inertia)
-        center = numbers(self._object.center_of_mass)
-        ET.SubElement(body, "inertial", pos=center, mass=f"{self._mass!r}", diaginertia=inertia)
+        _add_inertial(body, self._object.center_of_mass, self._mass, self._mass * self._body.inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
-        ET.SubElement(body, "geom", self._body.geom | touching, name=OBJECT)
+        for k, geom in enumerate(self._body.geoms):
+            ET.SubElement(body, "geom", geom | touching, name=f"{OBJECT}:{k}")
 
 
 _SKY = {
@@ -243,10 +243,13 @@ def _add_inertia(body: ET.Element, link: HandLink) -> None:
     if link.inertia is None:
         ET.SubElement(body, "inertial", _LACKING)
     else:
-        I = link.inertia.matrix  # noqa: E741
-        full = numbers([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])
-        center = numbers(link.inertia.center)
-        ET.SubElement(body, "inertial", pos=center, mass=f"{link.inertia.mass!r}", fullinertia=full)
+        _add_inertial(body, link.inertia.center, link.inertia.mass, link.inertia.matrix)
+
+
+def _add_inertial(body: ET.Element, center: Sequence[float] | Array, mass: float, inertia: Array) -> None:
+    I = inertia  # noqa: E741
+    full = numbers([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])
+    ET.SubElement(body, "inertial", pos=numbers(center), mass=f"{mass!r}", fullinertia=full)
 
 
 def _surroundings(root: ET.Element, center: Array) -> None:
@@ -255,8 +258,3 @@ def _surroundings(root: ET.Element, center: Array) -> None:
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
     ET.SubElement(visual, "global", offwidth="960", offheight="720")
-
-
-def _placed(T: Array) -> dict[str, str]:
-    """Return the attributes of a pose, shape (4, 4)."""
-    return {"pos": numbers(T[:3, 3]), "xyaxes": numbers([*T[:3, 0], *T[:3, 1]])}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -10,50 +11,102 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import Task
 from ..descriptions.scene import Object
-from ..descriptions.shapes import Box, Cylinder, ShapeDescription, Sphere
+from ..descriptions.shapes import Box, Capsule, Compound, Cylinder, Ellipsoid, Part, ShapeDescription, Sphere
 from ..errors import InputError, TaskError
 from ..verification.resistance import mass_of
+from .drive import numbers
 
 
 class ObjectBody(NamedTuple):
     """A shape in its own frame."""
 
-    geom: dict[str, str]
-    """Attributes of its <geom>."""
+    geoms: tuple[dict[str, str], ...]
+    """Attributes of the <geom> of each of its parts."""
     inertia: Array
-    """Diagonal of the inertia of the solid about its centre per mass, m^2, shape (3,)."""
+    """Inertia of the solid about its centre per mass, m^2, shape (3, 3)."""
 
 
-def _sphere(shape: Sphere) -> ObjectBody:
-    return ObjectBody({"type": "sphere", "size": f"{shape.radius!r}"}, np.full(3, 0.4 * shape.radius**2))
+class _Solid(NamedTuple):
+    """A shape of one part, centred at the origin of its frame."""
+
+    geom: dict[str, str]
+    inertia: Array
+    """Diagonal of the inertia per mass, m^2, shape (3,)."""
+    volume: float
+    """m^3."""
 
 
-def _box(shape: Box) -> ObjectBody:
+def _sphere(shape: Sphere) -> _Solid:
+    r = shape.radius
+    return _Solid({"type": "sphere", "size": f"{r!r}"}, np.full(3, 0.4 * r**2), 4.0 / 3.0 * math.pi * r**3)
+
+
+def _box(shape: Box) -> _Solid:
     squares = np.square(shape.size)
     half = " ".join(repr(edge / 2) for edge in shape.size)
-    return ObjectBody({"type": "box", "size": half}, (squares.sum() - squares) / 12)
+    return _Solid({"type": "box", "size": half}, (squares.sum() - squares) / 12, math.prod(shape.size))
 
 
-def _cylinder(shape: Cylinder) -> ObjectBody:
+def _cylinder(shape: Cylinder) -> _Solid:
     across, along = shape.radius**2 / 2, shape.radius**2 / 4 + shape.height**2 / 12
     size = f"{shape.radius!r} {shape.height / 2!r}"
-    return ObjectBody({"type": "cylinder", "size": size}, np.array([along, along, across]))
+    volume = math.pi * shape.radius**2 * shape.height
+    return _Solid({"type": "cylinder", "size": size}, np.array([along, along, across]), volume)
 
 
-BODIES: dict[type[ShapeDescription], Callable[[Any], ObjectBody]] = {Sphere: _sphere, Box: _box, Cylinder: _cylinder}
-"""The body of each described shape, made from its description. A new shape is registered here."""
+def _capsule(shape: Capsule) -> _Solid:
+    r, l = shape.radius, shape.length  # noqa: E741
+    rod, ball = math.pi * r**2 * l, 4.0 / 3.0 * math.pi * r**3
+    across = rod * r**2 / 2 + ball * 0.4 * r**2
+    along = rod * (r**2 / 4 + l**2 / 12) + ball * (0.4 * r**2 + l**2 / 4 + 3.0 / 8.0 * r * l)
+    size = f"{r!r} {l / 2!r}"
+    return _Solid({"type": "capsule", "size": size}, np.array([along, along, across]) / (rod + ball), rod + ball)
+
+
+def _ellipsoid(shape: Ellipsoid) -> _Solid:
+    squares = np.square(shape.semi_axes)
+    size = " ".join(map(repr, shape.semi_axes))
+    volume = 4.0 / 3.0 * math.pi * math.prod(shape.semi_axes)
+    return _Solid({"type": "ellipsoid", "size": size}, (squares.sum() - squares) / 5, volume)
+
+
+BODIES: dict[type[ShapeDescription], Callable[[Any], _Solid]] = {
+    Sphere: _sphere,
+    Box: _box,
+    Cylinder: _cylinder,
+    Capsule: _capsule,
+    Ellipsoid: _ellipsoid,
+}
+"""The solid of each described shape of one part, made from its description. A new shape is registered here."""
 
 
 def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
-    """Return the body of a shape.
+    """Return the body of a shape; of a compound what parts share counts in each of them for the inertia.
 
     Raises:
         InputError: the hold test has none for shapes of this type.
     """
+    parts = shape.parts if isinstance(shape, Compound) else (Part(shape=shape),)
+    solids = [(_solid(name, part.shape), part.pose.matrix) for part in parts]
+    shares = np.array([solid.volume for solid, _ in solids])
+    shares /= shares.sum()
+    center, inertia = shares @ np.array([T[:3, 3] for _, T in solids]), np.zeros((3, 3))
+    for share, (solid, T) in zip(shares, solids, strict=True):
+        R, arm = T[:3, :3], T[:3, 3] - center
+        inertia += share * ((R * solid.inertia) @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return ObjectBody(tuple(solid.geom | placed(T) for solid, T in solids), inertia)
+
+
+def _solid(name: str, shape: ShapeDescription) -> _Solid:
     if type(shape) not in BODIES:
         known = ", ".join(kind.__name__.lower() for kind in BODIES)
         raise InputError(f"the hold test knows no {shape.type}, only {known}", key=f"objects.{name}.shape")
     return BODIES[type(shape)](shape)
+
+
+def placed(T: Array) -> dict[str, str]:
+    """Return the attributes of a pose, shape (4, 4)."""
+    return {"pos": numbers(T[:3, 3]), "xyaxes": numbers([*T[:3, 0], *T[:3, 1]])}
 
 
 def required_mass(body: Object, task: Task) -> float:

@@ -55,9 +55,9 @@ class State:
         return tuple(self.model.contact_face(point) for point in self.contacts.points)
 
     @cached_property
-    def touched_parts(self) -> list[int]:
+    def touched_parts(self) -> tuple[int, ...]:
         """Part of the object that every contact point is nearest to; 0 but of a compound."""
-        return self.model.touched_parts(self.contacts.points)
+        return tuple(self.model.touched_parts(self.contacts.points).tolist())
 
     @cached_property
     def distances(self) -> Distances:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..collision.distances import CollisionModel
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
@@ -78,10 +78,10 @@ class TaskModel:
         distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
         return distances, normals @ R.T, R @ hessians @ R.T
 
-    def touched_parts(self, points: Array) -> list[int]:
+    def touched_parts(self, points: Array) -> Indices:
         """Return the part of the object that each world point is nearest to; 0 but of a compound."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
-        return self.surface.nearest_part((points - origin) @ R).tolist()
+        return self.surface.nearest_part((points - origin) @ R)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the contact face of the object at its surface point nearest to a world point; world frame."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import coal
 import numpy as np
 import trimesh
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Box
 from ..contact_faces import ContactFace, Flat
 from ..convex_solid import ConvexPiece
@@ -24,18 +27,7 @@ class BoxSurface(Convex):
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian; the Hessian is not zero only outside, off edges and corners."""
-        over = np.abs(points) - self._half
-        signs = np.where(points < 0, -1.0, 1.0)
-        beyond = np.maximum(over, 0.0)
-        outside = np.sqrt((beyond * beyond).sum(axis=1))
-        distances = np.where(outside > 0, outside, over.max(axis=1))
-        nearest_face = np.eye(3)[over.argmax(axis=1)]
-        length = np.where(outside > 0, outside, 1.0)[:, None]
-        gradients = signs * np.where(outside[:, None] > 0, beyond / length, nearest_face)
-        active = (beyond > 0).astype(float)
-        hessians = active[:, :, None] * np.eye(3) - gradients[:, :, None] * gradients[:, None, :]
-        hessians *= np.where(outside > 0, 1.0 / length[:, 0], 0.0)[:, None, None]
-        return distances, gradients, hessians
+        return _signed_distance(points, self._half)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the face that is nearest to the point, of those at an edge one."""
@@ -59,3 +51,31 @@ class BoxSurface(Convex):
     def tessellation(self) -> Tessellation:
         """Return twelve triangles."""
         return tessellation_of(trimesh.creation.box(extents=2.0 * self._half))
+
+
+@compiled
+def _signed_distance(points: Array, half: Array) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, gradients, hessians = np.empty(n), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    for i in range(n):
+        square, farthest = 0.0, 0
+        for k in range(3):
+            beyond = abs(points[i, k]) - half[k]
+            if beyond > 0.0:
+                square += beyond * beyond
+            if beyond > abs(points[i, farthest]) - half[farthest]:
+                farthest = k
+        if square == 0.0:
+            distances[i] = abs(points[i, farthest]) - half[farthest]
+            gradients[i, farthest] = -1.0 if points[i, farthest] < 0.0 else 1.0
+            continue
+        distances[i] = math.sqrt(square)
+        for k in range(3):
+            beyond = abs(points[i, k]) - half[k]
+            if beyond > 0.0:
+                gradients[i, k] = math.copysign(beyond / distances[i], points[i, k])
+        for k in range(3):
+            for m in range(3):
+                active = 1.0 if k == m and abs(points[i, k]) > half[k] else 0.0
+                hessians[i, k, m] = (active - gradients[i, k] * gradients[i, m]) / distances[i]
+    return distances, gradients, hessians

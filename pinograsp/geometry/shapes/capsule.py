@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import coal
 import numpy as np
 import trimesh
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Capsule
 from ..contact_faces import ContactFace, Ruling, Spot
 from ..convex_solid import ConvexPiece
@@ -29,15 +32,7 @@ class CapsuleSurface(Convex):
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian; beside the axis nothing bends along it."""
-        apart = points.copy()
-        apart[:, 2] -= np.clip(points[:, 2], -self._half, self._half)
-        length = np.sqrt((apart * apart).sum(axis=1))
-        apart[length == 0.0] = [1.0, 0.0, 0.0]
-        divisor = np.where(length > 0.0, length, 1.0)
-        normals = apart / divisor[:, None]
-        hessians = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-        hessians[np.abs(points[:, 2]) <= self._half, 2, 2] = 0.0
-        return length - self._radius, normals, hessians / divisor[:, None, None]
+        return _signed_distance(points, self._radius, self._half)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the straight line of the side, which ends where the half balls begin, or a spot of these."""
@@ -56,3 +51,24 @@ class CapsuleSurface(Convex):
     def tessellation(self) -> Tessellation:
         """Return triangles whose corners lie on the capsule."""
         return tessellation_of(trimesh.creation.capsule(2.0 * self._half, self._radius, count=[SECTIONS, SECTIONS]))
+
+
+@compiled
+def _signed_distance(points: Array, radius: float, half: float) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        x, y, z = points[i]
+        normal = np.array([x, y, z - min(max(z, -half), half)])
+        length = math.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+        divisor = length if length > 0.0 else 1.0
+        if length == 0.0:
+            normal[0] = 1.0
+        normal /= divisor
+        distances[i], gradients[i] = length - radius, normal
+        for k in range(3):
+            for m in range(3):
+                hessians[i, k, m] = ((1.0 if k == m else 0.0) - normal[k] * normal[m]) / divisor
+        if abs(z) <= half:
+            hessians[i, 2, 2] = 0.0
+    return distances, gradients, hessians

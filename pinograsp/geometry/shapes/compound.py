@@ -39,16 +39,23 @@ class _Part:
     surface: Surface
     placement: Array
 
+    def local(self, points: Array) -> Array:
+        """Return points (n, 3) of the compound's frame in the part's."""
+        return np.asarray((points - self.placement[:3, 3]) @ self.placement[:3, :3])
+
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return distance, gradient and Hessian at points (n, 3) of the compound's frame."""
-        R, origin = self.placement[:3, :3], self.placement[:3, 3]
-        distances, gradients, hessians = self.surface.signed_distance((points - origin) @ R)
+        """Return distance, gradient and Hessian at points (n, 3), in the compound's frame."""
+        R = self.placement[:3, :3]
+        distances, gradients, hessians = self.surface.signed_distance(self.local(points))
         return distances, gradients @ R.T, R @ hessians @ R.T
+
+    def distances(self, points: Array) -> Array:
+        """Return the signed distances of points (n, 3) of the compound's frame."""
+        return self.surface.signed_distance(self.local(points))[0]
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return the contact face at a point of the compound's frame, in that frame."""
-        R, origin = self.placement[:3, :3], self.placement[:3, 3]
-        return placed(self.surface.contact_face((point - origin) @ R), R, origin)
+        return placed(self.surface.contact_face(self.local(point)), self.placement[:3, :3], self.placement[:3, 3])
 
 
 class CompoundSurface:
@@ -67,29 +74,39 @@ class CompoundSurface:
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient and Hessian of the nearest part; inside, the distance may be too little."""
-        found = [part.signed_distance(points) for part in self._parts]
-        nearest = np.array([distances for distances, _, _ in found]).argmin(axis=0)
-        chosen, rows = nearest.tolist(), range(len(points))
         distances, gradients, hessians = (
-            np.array([found[part][which][row] for row, part in zip(rows, chosen, strict=True)]) for which in range(3)
+            np.empty(len(points)),
+            np.empty((len(points), 3)),
+            np.empty((len(points), 3, 3)),
         )
-        return distances, gradients.reshape(-1, 3), hessians.reshape(-1, 3, 3)
+        nearest = self.nearest_part(points)
+        for number in set(nearest.tolist()):
+            of_it = nearest == number
+            distances[of_it], gradients[of_it], hessians[of_it] = self._parts[number].signed_distance(points[of_it])
+        return distances, gradients, hessians
 
     def nearest_part(self, points: Array) -> Indices:
         """Return the part that each point is nearest to, or deepest in."""
-        return np.array([part.signed_distance(points)[0] for part in self._parts]).argmin(axis=0)
+        return np.asarray(self._distances(points).argmin(axis=0))
+
+    def _distances(self, points: Array) -> Array:
+        """Return the distances to all parts, shape (parts, n)."""
+        return np.array([part.distances(points) for part in self._parts])
 
     def contact_face(self, point: Array) -> ContactFace:
-        """Return the contact face of the nearest part, of a straight line what no other part covers around the point."""
-        own = int(self.nearest_part(point[None])[0])
+        """Return the contact face of the nearest part, of a straight line what no other part covers around it."""
+        apart = self._distances(point[None])[:, 0]
+        own = int(apart.argmin())
         face = self._parts[own].contact_face(point)
         if isinstance(face, Ruling):
             distances, normals, hessians = self._parts[own].signed_distance(point[None])
             foot = point - distances[0] * normals[0]
             # How the foot moves with the point.
             follows = np.eye(3) - np.outer(normals[0], normals[0]) - distances[0] * hessians[0]
-            for part in (part for i, part in enumerate(self._parts) if i != own):
-                face = _cut(face, foot, follows, part)
+            for number, part in enumerate(self._parts):
+                # No point of the line is nearer to a part than the foot is, less the way to that point.
+                if number != own and apart[number] - abs(distances[0]) <= max(-face.low, face.high):
+                    face = _cut(face, foot, follows, part)
         return face
 
     def extent(self, direction: Array) -> float:
@@ -109,15 +126,16 @@ class CompoundSurface:
 
     def tessellation(self) -> Tessellation:
         """Return the triangles of all parts, without those that are wholly inside another part."""
-        vertices, triangles = [], []
+        vertices, triangles, count = list[Array](), list[Indices](), 0
         for part in self._parts:
             tessellation = part.surface.tessellation()
             corners = tessellation.vertices @ part.placement[:3, :3].T + part.placement[:3, 3]
-            others = [other.signed_distance(corners)[0] < -COVERED for other in self._parts if other is not part]
+            others = [other.distances(corners) < -COVERED for other in self._parts if other is not part]
             hidden = [inside[tessellation.triangles].all(axis=1) for inside in others]
             seen = ~np.any(hidden, axis=0) if hidden else slice(None)
-            triangles.append(tessellation.triangles[seen] + sum(map(len, vertices)))
+            triangles.append(tessellation.triangles[seen] + count)
             vertices.append(corners)
+            count += len(corners)
         return Tessellation(np.concatenate(vertices), np.concatenate(triangles))
 
 
@@ -132,11 +150,12 @@ def _cut(face: Ruling, foot: Array, follows: Array, part: _Part) -> Ruling:
         follows: derivative of the foot in the point, shape (3, 3).
         part: another one than the line's.
     """
+    start, along = part.local(foot), part.placement[:3, :3].T @ face.direction
 
     def depth(t: float) -> tuple[float, float, Array]:
         """Return how far the line is outside the part at t, the slope of that along it, and the gradient there."""
-        distances, normals, _ = part.signed_distance((foot + t * face.direction)[None])
-        return float(distances[0]) + COVERED, float(normals[0] @ face.direction), normals[0]
+        distances, normals, _ = part.surface.signed_distance((start + t * along)[None])
+        return float(distances[0]) + COVERED, float(normals[0] @ along), normals[0]
 
     def crossing(t: float, sign: float, last: float) -> float | None:
         """Return where the line enters the part, from outside it at t on towards `last`; None if it does not.
@@ -155,9 +174,10 @@ def _cut(face: Ruling, foot: Array, follows: Array, part: _Part) -> Ruling:
         return t
 
     def slope(t: float) -> Array | None:
-        _, along, normal = depth(t)
+        _, rate, normal = depth(t)
         bend = 0.0 if face.bend is None else face.bend
-        return None if along == 0.0 else np.asarray(-normal @ (follows + t * bend) / along)
+        normal = part.placement[:3, :3] @ normal
+        return None if rate == 0.0 else np.asarray(-normal @ (follows + t * bend) / rate)
 
     def until(t: float) -> Ruling:
         return replace(face, high=t, sharp=(face.sharp[0], True), slopes=(face.slopes[0], slope(t)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+
 import coal
 import numpy as np
 

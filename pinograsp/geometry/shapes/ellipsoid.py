@@ -9,6 +9,7 @@ the shape operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the dista
 from __future__ import annotations
 
 import math
+
 import coal
 import numpy as np
 import trimesh

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import coal
 import numpy as np
 import trimesh
 
 from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.shapes import Sphere
 from ..contact_faces import ContactFace, Spot
 from ..convex_solid import ConvexPiece
@@ -28,14 +31,7 @@ class SphereSurface(Convex):
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance, gradient p / |p| and Hessian (I - n n^T) / |p|."""
-        norm = np.sqrt((points * points).sum(axis=1))
-        centred = norm == 0.0
-        if centred.any():
-            points = np.where(centred[:, None], [1.0, 0.0, 0.0], points)
-        length = np.where(centred, 1.0, norm)
-        normals = points / length[:, None]
-        hessians = (np.eye(3) - normals[:, :, None] * normals[:, None, :]) / length[:, None, None]
-        return norm - self.radius, normals, hessians
+        return _signed_distance(points, self.radius)
 
     def contact_face(self, point: Array) -> ContactFace:
         """Return a spot."""
@@ -52,3 +48,20 @@ class SphereSurface(Convex):
     def tessellation(self) -> Tessellation:
         """Return an icosahedron whose triangles are halved `SUBDIVISIONS` times; its corners lie on the ball."""
         return tessellation_of(trimesh.creation.icosphere(subdivisions=SUBDIVISIONS, radius=self.radius))
+
+
+@compiled
+def _signed_distance(points: Array, radius: float) -> tuple[Array, Array, Array]:
+    n = len(points)
+    distances, normals, hessians = np.empty(n), np.zeros((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        x, y, z = points[i]
+        norm = math.sqrt(x * x + y * y + z * z)
+        length = norm if norm > 0.0 else 1.0
+        distances[i] = norm - radius
+        normals[i, 0] = x / length if norm > 0.0 else 1.0
+        normals[i, 1], normals[i, 2] = y / length, z / length
+        for k in range(3):
+            for m in range(3):
+                hessians[i, k, m] = ((1.0 if k == m else 0.0) - normals[i, k] * normals[i, m]) / length
+    return distances, normals, hessians

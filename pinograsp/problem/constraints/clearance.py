@@ -49,7 +49,8 @@ class Clearance(Inside):
         self.rows = tuple(f"clearance of {link}" for link in self.links)
         self._pairs = pairs
         self._margins = np.array([pair.margin for pair in pairs])
-        self._link_of = np.array([self.links.index(pair.link) for pair in pairs])
+        numbers = {link: number for number, link in enumerate(self.links)}
+        self._link_of = np.array([numbers[pair.link] for pair in pairs])
         self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def inside(self, state: State) -> Residual:
@@ -96,10 +97,13 @@ def _smooth_minima(
     least, far = np.full(len(counts), everything_far), counts.copy()
     for pair in range(len(above)):
         bent[pair], slopes[pair] = bend(above[pair], reach)
-        least[links[pair]] = min(least[links[pair]], bent[pair])
-        far[links[pair]] -= 1
-    weights, sums = np.empty(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
+        if above[pair] < reach:  # else it counts as one that was not measured, to the last bit
+            least[links[pair]] = min(least[links[pair]], bent[pair])
+            far[links[pair]] -= 1
+    weights, sums = np.zeros(len(above)), far * np.exp((least - everything_far) / SMOOTHING)
     for pair in range(len(above)):
+        if above[pair] >= reach:
+            continue
         weights[pair] = math.exp((least[links[pair]] - bent[pair]) / SMOOTHING)
         sums[links[pair]] += weights[pair]
     jacobian = np.zeros((len(counts), gradients.shape[1]))

@@ -2,8 +2,8 @@
 
 Contact and tangency keep a pad off the part that it touches, and everything of a convex object with it. Of a compound
 another part may stand in the way of the pad's rim or of the finger behind it: the handle beside a can. A row is the
-least distance of what is behind the pads of a link to one part, bent as in `clearance`. The part that a pad touches, the
-one nearest to its contact point, does not count for it.
+least distance of what is behind the pads of a link to one part, bent as in `clearance`. The part that a pad touches,
+the one nearest to its contact point, does not count for it.
 """
 
 from __future__ import annotations
