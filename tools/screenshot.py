@@ -1,4 +1,7 @@
-"""Take a picture of an HTML page with a headless Chromium: `python tools/screenshot.py page.html out.png`."""
+"""Take a picture of an HTML page with a headless Chromium: `python tools/screenshot.py page.html out.png`.
+
+With --small, of its 3D picture alone, without the panel, in 256 colours: for pages of the documentation.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from PIL import Image
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = (
@@ -24,6 +29,12 @@ OPTIONS = (
     "--hide-scrollbars",
     "--virtual-time-budget=20000",
 )
+
+SMALL = (1070, 520)
+"""Of a window, pixels."""
+PANEL = 350
+"""Width of the panel at its left, as the page's style sheet says, pixels."""
+COLORS = 256
 
 
 def screenshot(html: Path, png: Path, size: tuple[int, int] = (1600, 1000), view: str = "whole-box") -> None:
@@ -53,6 +64,12 @@ def screenshot(html: Path, png: Path, size: tuple[int, int] = (1600, 1000), view
         raise RuntimeError(f"{browser} took no picture of {html}: {run.stderr[-500:]}")
 
 
+def small(png: Path) -> None:
+    """Cut the panel off the picture of a window of the size `SMALL`, and leave few colours."""
+    with Image.open(png) as whole:
+        whole.convert("RGB").crop((PANEL, 0, *SMALL)).quantize(COLORS, kmeans=1).save(png, optimize=True)
+
+
 def main() -> None:
     """Read the command line and take the picture."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -60,9 +77,12 @@ def main() -> None:
     parser.add_argument("png", type=Path, help="picture to write")
     parser.add_argument("--size", type=int, nargs=2, default=(1600, 1000), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--view", choices=("whole-box", "close-up"), default="whole-box")
+    parser.add_argument("--small", action="store_true", help="the 3D picture alone, in few colours")
     options = parser.parse_args()
     try:
-        screenshot(options.html, options.png, tuple(options.size), options.view)
+        screenshot(options.html, options.png, SMALL if options.small else tuple(options.size), options.view)
+        if options.small:
+            small(options.png)
     except (OSError, RuntimeError, subprocess.TimeoutExpired) as error:
         sys.exit(f"screenshot: {error}")
 

@@ -24,6 +24,8 @@ DONE = 1e-5
 STALLED = 0.05
 """A descent ends after two steps that each lessen the squared residual by less than this part."""
 INITIAL_DAMPING = 40.0
+LEAST_DAMPING = 1e-9
+"""With less, where variables move nothing, a step has no solution in floating-point numbers."""
 YIELDING = ((1.0, 0.3), (0.3, 1.0), (0.1, 1.0))
 """Weights of desired points and of clearances in the descents between the first and the last."""
 
@@ -92,7 +94,7 @@ def _descend(
         if trial_square < square:
             slow = slow + 1 if trial_square > (1.0 - stalled) * square else 0
             x, residual, square = trial_x, trial, trial_square
-            damping *= 0.2
+            damping = max(0.2 * damping, LEAST_DAMPING)
         else:
             damping *= 4.0
     return x
