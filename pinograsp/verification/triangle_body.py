@@ -36,6 +36,8 @@ NODES = 8
 """Of the quadrature along each axis."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
+BALLS = 60
+"""Most balls that answer for the points in them; the rest is asked one by one."""
 BESIDE = 1e-6
 """How far beside a triangle it is asked whether there is an outside, m."""
 PLACES = 6
@@ -90,11 +92,33 @@ class TriangleBody:
 
         From outside all triangles count; from inside, those that bound the body.
         """
-        inside = self.contains(points)
-        found = np.empty(len(points))
-        found[~inside] = np.sqrt(self._all.squared_distance(self.vertices, self._around, points[~inside])[0])
-        found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
+        found = np.sqrt(self._all.squared_distance(self.vertices, self._around, points)[0])
+        inside = self._inside(points, found)
+        if self._skin is self._all:
+            found[inside] *= -1.0
+        else:
+            found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
         return found
+
+    def _inside(self, points: Array, apart: Array) -> Mask:
+        """Whether points are inside: `contains`, asked for a few of them.
+
+        A ball that no triangle enters is all inside or all outside: its centre answers for all points in it.
+
+        Args:
+            points: shape (n, 3).
+            apart: distance of each to the nearest triangle, shape (n,).
+        """
+        left, centers, owner = np.argsort(-apart), [], np.empty(len(points), dtype=np.intp)
+        while len(left) and len(centers) < BALLS:
+            center = left[0]
+            within = ((points[left] - points[center]) ** 2).sum(axis=1) < apart[center] ** 2
+            within[0] = True
+            owner[left[within]] = len(centers)
+            centers.append(center)
+            left = left[~within]
+        owner[left] = len(centers) + np.arange(len(left))
+        return self.contains(points[[*centers, *left]])[owner]
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""
