@@ -28,6 +28,7 @@ from .descriptions.regions import Cuboid as Cuboid
 from .descriptions.regions import HalfSpace as HalfSpace
 from .descriptions.regions import Near as Near
 from .descriptions.regions import Outside as Outside
+from .descriptions.regions import Painted as Painted
 from .descriptions.regions import Sector as Sector
 from .descriptions.robot import RobotDescription as RobotDescription
 from .descriptions.scene import Body as Body
@@ -41,6 +42,7 @@ from .descriptions.shapes import Compound as Compound
 from .descriptions.shapes import Cone as Cone
 from .descriptions.shapes import Cylinder as Cylinder
 from .descriptions.shapes import Ellipsoid as Ellipsoid
+from .descriptions.shapes import Mesh as Mesh
 from .descriptions.shapes import Part as Part
 from .descriptions.shapes import Sphere as Sphere
 from .descriptions.task import ApproachCone as ApproachCone
@@ -76,8 +78,10 @@ from .onboarding.findings import LinkFigures as LinkFigures
 from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import check as check
+from .planning.one_shot import contacts as contacts
 from .planning.one_shot import plan as plan
 from .planning.session import Planner as Planner
+from .problem.proposals import ContactPair as ContactPair
 from .progress import Progress as Progress
 from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar, overload
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .errors import InputError
 
@@ -13,9 +16,31 @@ Indices = NDArray[np.intp]
 Integers = NDArray[np.int64]
 """Integers that are stored or handed to other libraries."""
 Mask = NDArray[np.bool_]
+Numbers = Sequence[float] | NDArray[np.floating[Any] | np.integer[Any]]
+"""A vector as users write it: a tuple, a list or an array."""
+Rows = Sequence[Numbers] | NDArray[np.floating[Any] | np.integer[Any]]
+"""Vectors or a matrix as users write them."""
+
+if TYPE_CHECKING:
+    Taken = TypeVar("Taken", contravariant=True)
+    Held = TypeVar("Held", covariant=True)
+
+    class Takes(Generic[Taken, Held]):
+        """A field of which the constructor takes more than the field holds: a list, and it holds a tuple.
+
+        For type checkers alone, and for parts of files alone: of a field that is a descriptor they read in `__set__`
+        what the constructor takes, but not of one of a frozen dataclass.
+        """
+
+        @overload
+        def __get__(self, instance: None, owner: type, /) -> Self: ...
+        @overload
+        def __get__(self, instance: object, owner: type | None = None, /) -> Held: ...
+        def __get__(self, instance: object | None, owner: type | None = None, /) -> Self | Held: ...
+        def __set__(self, instance: object, value: Taken, /) -> None: ...
 
 
-def real_array(name: str, numbers: ArrayLike, *shape: int) -> Array:
+def real_array(name: str, numbers: object, *shape: int) -> Array:
     """Return finite numbers that were given as the argument of a name, as an array of a shape.
 
     Raises:

@@ -268,7 +268,8 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
     assert "wall" in result.blocked["enclosure clearance"].where
     assert result.blocked["enclosure clearance"].nearest_miss == pytest.approx(0.06, abs=0.055)
     for kind, blocked in result.blocked.items():
-        assert f"blocked by {kind}: {blocked.starts} starts, nearest miss" in output
+        starts = "1 start" if blocked.starts == 1 else f"{blocked.starts} starts"
+        assert f"blocked by {kind}: {starts}, nearest miss" in output
     assert "wall z=-0.237" in output
     assert not (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").exists()
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 import re
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,6 +17,8 @@ from conftest import Run
 
 import pinograsp
 from pinograsp import Result, Robot, Scene
+from pinograsp.cli import folders
+from pinograsp.cli.interrupts import held_interrupts
 
 NAMES = "glovebox_sphere_gen3_2f85"
 HAND = "robotiq_85_left_knuckle_joint"
@@ -74,6 +80,15 @@ def test_rank_of_the_front(run: Run, result: Result, file: Path) -> None:
         assert "front of U, clearance, joint reserve" in " ".join(output.split())
 
 
+def test_rank_page(run: Run, file: Path, tmp_path: Path) -> None:
+    code, output, errors = run("rank", file, "--by", "joint reserve", "--out", "pages")
+    assert (code, errors) == (0, "")
+    page = tmp_path / "pages" / f"{NAMES}_by_joint_reserve.html"
+    assert output.endswith(f"written: pages/{page.name}\n")
+    assert "joint reserve" in page.read_text()
+    assert "--pareto: is given with --out" in refused(run("rank", file, "--pareto", "U", "--out", "pages"))
+
+
 def test_rank_as_json(run: Run, result: Result, file: Path) -> None:
     code, output, errors = run("rank", file, "--by", "clearance", "--different", 2, "--json")
     assert (code, errors) == (0, "")
@@ -109,6 +124,48 @@ def test_rank_of_nothing(run: Run, result: Result, tmp_path: Path) -> None:
     pinograsp.write_json(replace(result, grasps=()), tmp_path / "none.json")
     code, output, _ = run("rank", "none.json")
     assert (code, output) == (1, "The result has no grasp.\n")
+
+
+# ---- Ctrl-C
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"),
+    [
+        (("plan", "glovebox", "--task", "sphere", "--starts", 4, "--workers", 1), ("json", "html")),
+        (("assess", "{file}", "--samples", 2, "--workers", 1, "--out", "out"), ("assessment.json",)),
+        (("hold", "{file}", "--grasp", 1, "--workers", 1, "--out", "out"), ("hold.json",)),
+        (("check", "glovebox", "--task", "sphere", "--joints", "{joints}", "--out", "out"), ("json", "html")),
+        (("robot", "check", "gen3_2f85"), ("check.html",)),
+        (("database", "coverage", "{database}", "--png", "--html"), ("coverage.png", "coverage.html")),
+    ],
+    ids=lambda part: part[0],
+)
+def test_ctrl_c_after_the_work_comes_after_the_files(
+    run: Run,
+    file: Path,
+    result: Result,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: tuple[object, ...],
+    ending: tuple[str, ...],
+) -> None:
+    joints = tmp_path / "joints.json"
+    joints.write_text(json.dumps(dict(result.grasps[0].joints)))
+    places = {"file": file, "joints": joints, "database": result.provenance["database"]["file"]}
+
+    @contextmanager
+    def pressed() -> Iterator[None]:
+        with held_interrupts():
+            os.kill(os.getpid(), signal.SIGINT)
+            yield
+
+    monkeypatch.setattr(folders, "held_interrupts", pressed)
+    code, output, errors = run(*(str(word).format(**places) for word in command))
+    assert (code, output, errors) == (130, "", "error: interrupted\n")
+    written = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert len(written) == len(ending)
+    assert all(any(name.endswith(end) for name in written) for end in ending)
 
 
 # ---- show
@@ -252,6 +309,11 @@ def test_joints_that_cannot_be_used(run: Run, joints: str, words: str, tmp_path:
         ("assess", ["--samples", 10**9], "--samples: must be at most "),
         ("hold", ["--acceleration", -1], "--acceleration: must be at least 0, not -1"),
         ("hold", ["--spin", "nan"], "--spin: must be a finite number"),
+        ("hold", ["--slip-distance", 0], "--slip-distance 0.0 mm: must be positive"),
+        ("hold", ["--slip-angle", -1], "--slip-angle -1.0°: must be positive"),
+        ("hold", ["--strongest", 0], "--strongest: must be positive"),
+        ("hold", ["--friction", 0], "--friction: must be positive"),
+        ("hold", ["--control", "force"], "--control: 'force' is not auto, torque or position"),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
 )
@@ -265,6 +327,87 @@ def test_directions_out_of_range(run: Run) -> None:
         run("database", "query", *options, 0, 0, 1, "--angle", 300)
     )
     assert "error: --cone: has no direction: its length is 0" in refused(run("database", "query", *options, 0, 0, 0))
+
+
+def test_queries_that_make_no_sense(run: Run, result: Result) -> None:
+    query = ("database", "query", result.provenance["database"]["file"], "--center", 0.8, 0, 0)
+    for options, words in (
+        (["--joint", "joint_1=1"], "--joint: 'joint_1=1' is not JOINT=LEAST,MOST. Give, for example, elbow=-0.5,0.5"),
+        (["--joint", "joint_1=1,0"], "--joint: 1 .. 0 is no interval of joint_1"),
+        (["--joint", "joint_0=0,1"], "--joint: there is no arm joint 'joint_0'. Did you mean joint_"),
+        (["--box", 0.1, -0.1, 0.1], "--box: must be at least 0, not -0.1"),
+        (["--box", 0.1, 0.1, 0.1, "--radius", 0.1], "--box: is given with --radius. Give one of them"),
+    ):
+        assert refused(run(*query, *options)).startswith(f"error: {words}")
+
+
+# ---- hold
+
+
+def test_hold_with_every_option(run: Run, result: Result, file: Path) -> None:
+    options = pinograsp.HoldOptions(
+        acceleration=3.0,
+        spin=4.0,
+        slip_distance=0.5e-3,
+        slip_angle=math.radians(1.0),
+        first_slip=True,
+        ramp=40.0,
+        strongest=4.0,
+        control="position",
+        squeeze=False,
+        friction=0.8,
+    )
+    (expected,) = pinograsp.hold_test(result.grasps[0], options=options, workers=1)
+    loads = ("--acceleration", 3, "--spin", 4, "--first-slip", "--ramp", 40, "--strongest", 4)
+    limits = ("--slip-distance", 0.5, "--slip-angle", 1, "--control", "position", "--no-squeeze", "--friction", 0.8)
+    _, output, _ = run("hold", file, "--grasp", 1, "--workers", 1, *loads, *limits, "--json")
+    (found,) = json.loads(output)["outcomes"]
+    assert found | {"seconds": 0.0} == expected.to_json() | {"seconds": 0.0}
+
+
+# ---- plan, the first few grasps; how a start is solved
+
+
+def test_the_first_grasps(run: Run, gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
+    pose = (0.8, 0.06, -0.08, 1.2, 0.0, 0.0)
+    options = ("--most", 2, "--deadline", 300, "--object-pose", "sphere", *pose)
+    code, output, errors = run("plan", "glovebox", "--task", "sphere", *options)
+    assert (code, errors) == (0, "")
+    found = pinograsp.read_json(tmp_path / "out" / f"{NAMES}.json")
+    assert f"{found.verified} of {found.done} starts verified" in output
+    with pinograsp.Planner(gen3, glovebox) as planner:
+        planner.move("sphere", pinograsp.Pose(position=pose[:3], rpy=pose[3:]))
+        grasps = list(planner.grasps("sphere", most=2))
+    assert sorted(grasp.start or 0 for grasp in found.grasps) == [grasp.start for grasp in grasps]
+    assert pinograsp.verify(found) == ()
+    assert (tmp_path / "out" / f"{NAMES}.html").exists()
+
+
+def test_a_deadline_that_comes_first(run: Run, tmp_path: Path) -> None:
+    code, output, errors = run("plan", "glovebox", "--task", "sphere", "--deadline", 0)
+    assert code == 1
+    assert output.startswith("No verified grasp was found.\n0 of 0 starts verified; solver: no start\n")
+    assert re.search(r"^warning: no start was tried: the preparations took [\d.]+ s, the deadline is 0 s\n$", errors)
+    assert refused(run("plan", "glovebox", "--task", "sphere", "--deadline", 5, "--seed", 1)) == (
+        "error: --seed: is given with --deadline. Give one of them\n"
+    )
+
+
+def test_solver_options(run: Run, tmp_path: Path) -> None:
+    plan = ("plan", "glovebox", "--task", "sphere", "--starts", 1, "--workers", 1, "--no-html")
+    solver = ("--tries", 2, "--max-evaluations", 40, "--tolerance", 1e-5, "--cost-tolerance", 1e-4)
+    run(*plan, *solver, "--projection", "contacts")
+    found = pinograsp.read_json(tmp_path / "out" / f"{NAMES}.json")
+    options = pinograsp.SolverOptions(
+        max_evaluations=40, tries=2, tolerance=1e-5, cost_tolerance=1e-4, projection="contacts"
+    )
+    assert found.provenance["options"] == options.to_json()
+    for option, value, words in (
+        ("--tolerance", -1, "must be at least 0"),
+        ("--cost-tolerance", "nan", "must be a finite number"),
+        ("--projection", "contact", "no projection 'contact'. Did you mean contacts"),
+    ):
+        assert refused(run(*plan, option, value)).startswith(f"error: {option}: {words}")
 
 
 # ---- plan, with changes of the scene

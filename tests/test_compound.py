@@ -393,6 +393,22 @@ def test_wrong_parts_are_refused(parts: list[object], words: str) -> None:
     assert str(caught.value).startswith("parts")
 
 
+def test_the_centre_of_mass_is_that_of_the_parts() -> None:
+    """A hammer: a head of twice the handle's volume, its centre 30 mm above the handle's."""
+    handle = Part(shape=Box(size=(0.02, 0.02, 0.05)), pose=Pose(position=(0.01, 0.0, 0.0)))
+    head = Part(shape=Cylinder(radius=0.02, height=4e-5 / (math.pi * 4e-4)), pose=Pose(position=(0.01, 0.0, 0.03)))
+    hammer = Compound(parts=(handle, head))
+    assert hammer.volume == pytest.approx(6e-5)
+    assert hammer.centroid == pytest.approx((0.01, 0.0, 0.02))
+    assert Object(shape=hammer).center_of_mass_object.tolist() == pytest.approx([0.01, 0.0, 0.02])
+    cone = Part(shape=Cone(bottom_radius=0.02, top_radius=0.0, height=0.04), pose=Pose(rpy=(math.pi / 2, 0.0, 0.0)))
+    assert Compound(parts=(cone,)).centroid == pytest.approx((0.0, 0.01, 0.0))
+    for shape in (Capsule(radius=0.02, length=0.05), Cone(bottom_radius=0.03, top_radius=0.01, height=0.05)):
+        grid = np.array(list(itertools.product(np.linspace(-0.05, 0.05, 80), repeat=3)))
+        share = (surface_of(shape).signed_distance(grid)[0] < 0.0).mean()
+        assert shape.volume == pytest.approx(share * (0.1 * 80 / 79) ** 3, rel=0.02)
+
+
 # ---- the hold test
 
 

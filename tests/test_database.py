@@ -394,8 +394,10 @@ def test_command_line(
         return capsys.readouterr().out
 
     file = tmp_path / "cli.duckdb"
-    assert "configurations in" in run("build", str(file), "--scene", "glovebox", "--size", "1e3")
+    margins = ("--margin", "0.01", "--robot-margin", "0.002")
+    assert "configurations in" in run("build", str(file), "--scene", "glovebox", "--size", "1e3", *margins, "--wait")
     facts = json.loads(run("info", str(file), "--json"))
+    assert facts["margins"] == {"enclosure": 0.01, "robot": 0.002}
     assert f"rows: {facts['rows']:,}\n" in run("info", str(file))
     assert facts["rows"] >= 1000
     assert facts["joints"] == [f"joint_{i}" for i in range(1, 8)]
@@ -403,6 +405,15 @@ def test_command_line(
     assert "5 configurations" in run("query", str(file), *center, "--radius", "0.3", "--count", "5")
     cone = ("--cone", "0", "0", "-1", "--angle", "40")
     assert "3 configurations" in run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone)
+    box = ("--box", "0.4", "0.3", "0.2", "--joint", "joint_1=-2,-1", "--joint", "joint_1=1,2", "--seed", "5")
+    within: dict[str, Any] = {"joints": {"joint_1": [(-2.0, -1.0), (1.0, 2.0)]}}
+    with Database.open(file) as opened:
+        half = np.array([0.4, 0.3, 0.2])
+        spread = spread_configurations(opened, np.array([0.6, 0.0, 0.0]), half, 4, seed=5, **within)
+        near = configurations_near(opened, np.array([0.6, 0.0, 0.0]), half, limit=4, **within)
+    for found, options in ((spread, ()), (near, ("--no-spread",))):
+        assert len(found) == 4
+        assert json.loads(run("query", str(file), *center, *box, "--count", "4", *options, "--json")) == found.to_json()
     rows = json.loads(run("query", str(file), *center, "--radius", "0.4", "--count", "3", *cone, "--json"))
     assert rows["joints"] == facts["joints"]
     assert np.shape(rows["q"]) == (3, 7)
@@ -415,9 +426,9 @@ def test_command_line(
     assert f"written: {tmp_path / 'cli_coverage.png'}\n" in covered
     assert (tmp_path / "cli_coverage.png").stat().st_size > 10_000
     with Database.open(file) as opened:
-        found = Coverage.of(opened, 0.1)
+        covering = Coverage.of(opened, 0.1)
     for name, value in json.loads(run("coverage", str(file), "--voxel", "0.1", "--json")).items():
-        assert json_data(getattr(found, name)) == value
+        assert json_data(getattr(covering, name)) == value
 
 
 @pytest.mark.parametrize("width", [80, 60])
@@ -436,27 +447,21 @@ def test_table_of_configurations_fits(width: int) -> None:
     assert (text.count(" -180"), text.count("-9999"), text.count(" 50 ")) == (18, 6, 2)
 
 
-def one_thread() -> duckdb.DuckDBPyConnection:
-    """Return a connection that looks for Ctrl-C within a query: with threads of its own it may wait for these first."""
-    return duckdb.connect(config={"threads": 1})
-
-
-def test_ctrl_c_in_a_query() -> None:
-    query = "SELECT sum(sqrt(a.range * b.range)) FROM range(1_000_000) AS a, range(1_000_000) AS b"
-    threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-    with pytest.raises(KeyboardInterrupt), interruptible(), one_thread() as connection:
-        connection.execute(query)
+def test_ctrl_c_in_a_statement() -> None:
     with pytest.raises(RuntimeError, match="another"), interruptible():
         raise RuntimeError("another")
-    with pytest.raises(KeyboardInterrupt), interruptible():
-        raise duckdb.InterruptException
+    for raised in (duckdb.InterruptException, RuntimeError("Query interrupted")):
+        with pytest.raises(KeyboardInterrupt), interruptible():
+            raise raised
 
 
+@pytest.mark.parametrize("threads", [1, 4])
 @pytest.mark.parametrize("select", [Database.select, Database.select_columns])
-def test_ctrl_c_in_a_query_of_a_database(select: Callable[[Database, str], object]) -> None:
-    """Of every database: plans, coverages and selections ask through these two."""
+def test_ctrl_c_in_a_query_of_a_database(select: Callable[[Database, str], object], threads: int) -> None:
+    """Of every database: plans, coverages and selections ask through these two. The query would take hours."""
     query = "SELECT sum(sqrt(a.range * b.range)) FROM range(1_000_000) AS a, range(1_000_000) AS b"
-    with Database(Path(), one_thread()) as database:
+    with Database(Path(), duckdb.connect(config={"threads": threads})) as database:
         threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         with pytest.raises(KeyboardInterrupt):
             select(database, query)
+        assert database.select("SELECT 2")[0] == (2,)

@@ -179,4 +179,5 @@ def test_the_site_is_built_without_warnings_and_loads_nothing_from_elsewhere(tmp
     assert "<code>nearest_miss</code>" in result
     commands = (tmp_path / "site" / "reference" / "command_line.html").read_text()
     assert "pinograsp database build" in commands
-    assert "<code>1304</code>" in commands
+    assert "<td>1304</td>" in commands
+    assert "<code>score</code>" in commands

@@ -24,7 +24,7 @@ from pinograsp.errors import InputError, WorkerLostError
 from pinograsp.execution import GivenExecutor, Packed, Processes, ThisProcess, Workers, own_workers
 from pinograsp.execution.distribute import HOPELESS
 from pinograsp.execution.packed import KEPT
-from pinograsp.planning.attempt import Attempt, attempts_of
+from pinograsp.planning.attempt import Attempt, Item, attempts_of
 from pinograsp.planning.one_shot import plan
 from pinograsp.problem import TaskModel
 from pinograsp.solve.local import LocalSolver
@@ -294,7 +294,7 @@ def test_dask_workers_give_the_same_bytes_when_one_is_killed(
     rng = np.random.default_rng(0)
     postures = rng.uniform(sphere_task.lower, sphere_task.upper, size=(24, len(sphere_task.lower)))
     prepare = partial(attempts_of, TaskModel(gen3, glovebox, "sphere"), partial(LocalSolver, options=SolverOptions()))
-    items = list(enumerate(postures))
+    items = [Item(*start) for start in enumerate(postures)]
     expected = content(ThisProcess().run(prepare, items))
     assert any(outcome == "converged" for outcome, *_ in expected)
     with (

@@ -48,7 +48,7 @@ def test_files_are_texts_or_paths(kind: Kind, gen3: Robot, glovebox: Scene, data
     coverage = Coverage(np.zeros(3), 0.05, counts, counts)
     pinograsp.visualization.coverage_png(coverage, place("coverage.png"), "title")
     pinograsp.visualization.coverage_html(coverage, place("coverage.html"), "title")
-    text, _ = pinograsp.new_robot_file(PANDA, place("robot.yaml"), packages=[kind(tmp_path)])
+    text = pinograsp.new_robot_file(PANDA, place("robot.yaml"), packages=[kind(tmp_path)]).text
     (tmp_path / "robot.yaml").write_text(text)
     assert not pinograsp.check_robot(kind(tmp_path)).wrong
     assert pinograsp.load_robot(place("robot.yaml")).arm_size == 7

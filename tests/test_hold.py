@@ -22,6 +22,7 @@ from PIL import Image
 import pinograsp
 from pinograsp import HoldOptions, HoldOutcome, InputError, MissingExtraError, Progress, cli, hold_test
 from pinograsp.descriptions import Scene
+from pinograsp.descriptions.scene import STANDARD_GRAVITY as GRAVITY
 from pinograsp.hold import film
 from pinograsp.hold.film import write_film
 from pinograsp.hold.library import pillow
@@ -31,7 +32,6 @@ from pinograsp.hold.write import write_mjcf
 from pinograsp.kinematics.robot import Robot
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup
 from pinograsp.verification import Certificate, Figure
-from pinograsp.verification.resistance import STANDARD_GRAVITY as GRAVITY
 
 SQUEEZE, WEIGHT, FRICTION, RADIUS = 3.0, 2.0, 0.9, 0.025
 LEFT = (2 * RADIUS - 0.002) / 2.25

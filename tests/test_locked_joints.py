@@ -195,7 +195,7 @@ def test_starts_in_memory_are_set_to_the_value(database: Database, gen3: Robot, 
     model = model_of(gen3, glovebox, lock={"joint_3": 3.5, KNUCKLE: 0.3})
     index, hand = StartIndex(database, gen3.mounted(glovebox.mounting.matrix)), HeldHand(model)
     assert hand.synergies.tolist() == [0.3]
-    starts = index.starts(model, hand, 100)
+    starts = index.starts(model, hand, model.desired_points[None], 100)
     assert len(starts) == 100
     assert (starts[:, 2] == 3.5 - TURN).all()
     assert (starts[:, 7] == 0.3).all()

@@ -31,19 +31,17 @@ UNITLESS = re.compile(
 PARTS = {
     "Attachment": "a part of a robot file",
     "ArmDescription": "a part of a robot file",
-    "Chain": "a part of a `Draft`, whose docstring says what to read of it",
     "CollisionDescription": "a part of a robot file",
-    "Composition": "a part of a `Draft`",
-    "Facet": "a part of a `Draft`, whose docstring says what to read of it",
     "HandDescription": "a part of a robot file",
     "PadDescription": "a part of a robot file",
     "ShapeDescription": "the base of Sphere, Box, Cylinder and meshes",
     "StiffnessDescription": "a part of a robot file",
     "UrdfFiles": "a part of a robot file",
-    "UrdfTree": "a part of a `Draft`",
 }
 """Classes in public annotations that have no public name, and why; `docs/formats` describes the parts of files."""
-QUANTITY = re.compile(r"\b(float|Array|\w*Vector3|\w*Interval|Number|Positive|NotNegative|Length)\b")
+QUANTITY = re.compile(
+    r"\b(float|Array|\w*Vector3|\w*Interval|Numbers?|Rows|\w*Points|Ranges|Sizes3|Positive|NotNegative|Length)\b"
+)
 """Annotations of what may have a unit."""
 
 

@@ -433,6 +433,19 @@ def test_the_order_decides_which_are_shown(setup: Setup) -> None:
     assert [one.grasp.start for one in result.different(by="clearance")] == [2, 0]
 
 
+def test_the_front_in_another_order(setup: Setup) -> None:
+    """The second beats the first in both; the third is like the second's hand, the fourth stands apart."""
+    made = (grasp(0, Q=1.0, walls=0.01), grasp(1, Q=2.0, walls=0.02), grasp(2, Q=1.5, walls=0.03))
+    result = result_of(setup, *made, grasp(3, Q=3.0, walls=0.015, wrist=pose(0.1)))
+    front = ("Q", "clearance")
+    assert sorted(starts(result.pareto(front))) == [1, 2, 3]
+    assert starts(result.ranked("clearance", front)) == [2, 1, 3]
+    assert starts(result.ranked("Q", front)) == [3, 1, 2]
+    assert [(one.grasp.start, one.grasp_count) for one in result.different(9, "clearance", front)] == [(2, 2), (3, 1)]
+    with pytest.raises(InputError, match="no criterion and no figure is called 'beauty'"):
+        result.ranked("Q", ("beauty",))
+
+
 def apart(one: Grasp, other: Grasp) -> float:
     """Return the difference of two grasps, the rotation's angle by the trace."""
     T = np.linalg.inv(one.T_world_wrist) @ other.T_world_wrist

@@ -52,7 +52,7 @@ def opposed(
 
 
 def test_a_wrench_that_the_solver_gives_up_on_is_answered_by_one_next_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem, wrench, solve = opposed(0.01), np.array([0.0, 0.0, -2.0, 0.0, 0.0, 0.0]), balance._maximised
+    problem, wrench, solve = opposed(0.01), np.array([0.0, 0.0, -2.0, 0.0, 0.0, 0.0]), balance.maximised
     margin, multiples = problem.margin(wrench), problem.multiples(wrench, FORCES)
     given_up: list[int] = []
 
@@ -61,11 +61,11 @@ def test_a_wrench_that_the_solver_gives_up_on_is_answered_by_one_next_to_it(monk
         found = solve(*arguments, **options)
         return found if len(given_up) % 2 == 0 else np.full_like(found, math.nan)
 
-    monkeypatch.setattr(balance, "_maximised", gives_up)
+    monkeypatch.setattr(balance, "maximised", gives_up)
     assert problem.margin(wrench) == pytest.approx(margin, abs=1e-5)
     np.testing.assert_allclose(problem.multiples(wrench, FORCES), multiples, atol=1e-5)
     assert len(given_up) == 4
-    monkeypatch.setattr(balance, "_maximised", lambda *_, **__: np.full(1, math.nan))
+    monkeypatch.setattr(balance, "maximised", lambda *_, **__: np.full(1, math.nan))
     assert math.isnan(problem.margin(wrench))
 
 

@@ -563,9 +563,9 @@ def test_words_about_the_starts(setup: Setup) -> None:
     assert lines == [
         "2 of 10 starts verified (20.0 %); solver: 2 converged, 1 feasible, 7 infeasible",
         "2 of 12 starts not tried: interrupted",
-        "1 starts feasible for the solver, refuted by the independent check",
+        "1 start feasible for the solver, refuted by the independent check",
         "blocked by enclosure: 6 starts, nearest miss 20.7 mm (finger - wall)",
-        "blocked by forces: 1 starts, nearest miss 0.5",
+        "blocked by forces: 1 start, nearest miss 0.5",
     ]
 
 
@@ -583,8 +583,8 @@ def test_words_about_the_starts(setup: Setup) -> None:
     ],
 )
 def test_a_result_says_why_there_were_few_starts(setup: Setup, found: int, rows: int, said: str) -> None:
-    run = Run(setup, {}, 12, ("odd",))
-    run.count_starts(found, rows, 0.3)
+    run = Run(setup, {}, 12, ("odd",), facts={"database": {"rows": rows}})
+    run.count_starts(found, 0.3)
     first, *others = run.result(()).warnings
     assert first == "odd"
     assert [other.startswith(said) for other in others] == ([True] if said else [])

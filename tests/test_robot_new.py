@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -83,9 +84,26 @@ def test_panda_plans_without_an_edited_line(run: Run, tmp_path: Path, small_batc
     assert result.refuted == 0
 
 
+def test_a_draft_says_what_the_command_line_prints(run: Run, tmp_path: Path) -> None:
+    draft = new_robot_file(PANDA, tmp_path / "my_panda" / "robot.yaml")
+    assert (draft.wrist, draft.pads) == ("panda_hand", ("panda_leftfinger", "panda_rightfinger"))
+    np.testing.assert_allclose(draft.pad_sizes, [[0.0185, 0.0175]] * 2, atol=1e-6)
+    assert (draft.hand, draft.followers) == (
+        ("panda_finger_joint1",),
+        {"panda_finger_joint1": ("panda_finger_joint2",)},
+    )
+    assert [draft.text.splitlines()[line - 1].strip() for line in draft.checks] == list(draft.checks.values())
+    assert list(draft.checks.values()) == checks(draft.text)
+    _, output, _ = run(PANDA, "--out", "my_panda")
+    said = [*draft.summary(), *(f"my_panda/robot.yaml:{line}: {text}" for line, text in draft.checks.items())]
+    assert output.splitlines()[: len(said)] == said
+    _, output, _ = run(PANDA, "--out", "my_panda", "--force", "--json")
+    assert json.loads(output) == {"file": "my_panda/robot.yaml"} | json.loads(json.dumps(draft.to_json()))
+
+
 def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.Robot, small_batches: None) -> None:
     file = tmp_path / "my_gen3" / "robot.yaml"
-    text, _ = new_robot_file(GEN3, file)
+    text = new_robot_file(GEN3, file).text
     write_whole(file, text)
     found, shipped = load_robot_description(file), gen3.description
     assert found.urdf_file == shipped.urdf_file
@@ -109,7 +127,7 @@ def test_gen3_is_found_as_it_is_shipped(tmp_path: Path, gen3: pinograsp.Robot, s
 @pytest.mark.parametrize(("urdf", "name"), [(PANDA, "my_panda"), (GEN3, "my_gen3")])
 def test_the_file_as_it_is_plans_most_starts(urdf: str, name: str, tmp_path: Path) -> None:
     file = tmp_path / name / "robot.yaml"
-    write_whole(file, new_robot_file(urdf, file)[0])
+    write_whole(file, new_robot_file(urdf, file).text)
     robot, scene = pinograsp.load_robot(file), pinograsp.load_scene("glovebox")
     result = pinograsp.plan(robot, scene, "sphere", starts=60, workers=2)
     assert result.verified >= 36
@@ -140,10 +158,11 @@ def test_every_urdf_is_composed_once(to: str | None, monkeypatch: pytest.MonkeyP
     parse = urdf.parse
     monkeypatch.setattr(urdf, "parse", lambda file, tag: (read.append(file.name), parse(file, tag))[1])
     hand = HandMount(GEN3, to=to, root="robotiq_85_base_link")
-    _, found = new_robot_file(str(arm), tmp_path / "robot.yaml", hand=hand)
+    draft = new_robot_file(str(arm), tmp_path / "robot.yaml", hand=hand)
     assert read == ["arm.urdf", "kinova_robotiq.urdf"]
-    assert (found.chain.arm, found.chain.hand) == (("turn",), ("robotiq_85_left_knuckle_joint",))
-    assert found.wrist == "tool0"
+    assert (draft.arm, draft.hand, draft.wrist) == (("turn",), ("robotiq_85_left_knuckle_joint",), "tool0")
+    assert len(draft.followers["robotiq_85_left_knuckle_joint"]) == 5
+    assert draft.pads == ("robotiq_85_left_finger_tip_link", "robotiq_85_right_finger_tip_link")
 
 
 ARM_WITH_ONE_END = """<robot name="arm"><link name="base"/><link name="tool0"/><joint name="turn" type="continuous">
@@ -169,7 +188,7 @@ def written(file: Path, text: str = TOY_URDF) -> Path:
 
 def loaded(urdf: Path, output: Path, **options: object) -> tuple[pinograsp.Robot, str]:
     """Return the robot of a new robot file, and its text."""
-    text, _ = new_robot_file(str(urdf), output, **options)  # type: ignore[arg-type]
+    text = new_robot_file(str(urdf), output, **options).text  # type: ignore[arg-type]
     write_whole(output, text)
     return pinograsp.load_robot(output), text
 
@@ -227,10 +246,10 @@ def test_packages_that_are_given(tmp_path: Path) -> None:
     written(tmp_path / "elsewhere" / "my_arm" / "arm.urdf")
     with pytest.raises(InputError, match=r"^urdf: package://my_arm/arm\.urdf was not found\. Looked in "):
         new_robot_file("package://my_arm/arm.urdf", tmp_path / "robot.yaml")
-    text, _ = new_robot_file(
+    draft = new_robot_file(
         "package://my_arm/arm.urdf", tmp_path / "r" / "robot.yaml", packages=[tmp_path / "elsewhere"]
     )
-    assert yaml.safe_load(text)["packages"] == ["../elsewhere"]
+    assert yaml.safe_load(draft.text)["packages"] == ["../elsewhere"]
 
 
 LIMIT = '<limit lower="{}" upper="{}" effort="1" velocity="1"/>'

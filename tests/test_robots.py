@@ -30,7 +30,7 @@ from pinograsp.descriptions.patches import SpherePatch
 from pinograsp.descriptions.shapes import Cylinder, Shape, Sphere
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.onboarding.check import check_robot
-from pinograsp.onboarding.draft import TOOL_FRAMES
+from pinograsp.onboarding.parts import TOOL_FRAMES
 from pinograsp.problem import GraspProblem, Residual, TaskModel, check_task
 from pinograsp.problem.constraints.clearance import Clearance
 from pinograsp.results import Contact, Grasp, Result

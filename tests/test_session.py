@@ -25,6 +25,7 @@ from pinograsp import InputError, Planner, plan, problem
 from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import Scene
 from pinograsp.descriptions.pose import Pose
+from pinograsp.frozen import same
 from pinograsp.kinematics.forward import forward
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, least_cost, least_cost_parallel
@@ -190,6 +191,50 @@ def test_a_search_ends_at_a_number_a_deadline_or_the_bound(planner: Planner) -> 
     planner.move("sphere", THERE)
     *_, last = planner.grasps("sphere")
     assert 1.001 * least_U(planner._model("sphere")) >= last.cost.U
+
+
+def test_the_first_grasps_as_a_result(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
+    """What `grasps` yields, with the account of every start that was tried."""
+    scene = glovebox.with_object_pose("sphere", Pose(position=(0.80, 0.06, -0.08), rpy=(1.2, 0.0, 0.0)))
+    told: list[pinograsp.Progress] = []
+    with Planner(gen3, scene, workers=1, progress=told.append) as planner:
+        result = planner.first("sphere", most=3)
+        yielded = {grasp.start: grasp for grasp in planner.grasps("sphere", most=3)}
+    assert {grasp.start for grasp in result.grasps} <= yielded.keys()
+    assert all(same(grasp.claim.joints, yielded[grasp.start].claim.joints) for grasp in result.grasps)
+    assert all(same(grasp.certificate, yielded[grasp.start].certificate) for grasp in result.grasps)
+    assert sum(grasp.count for grasp in result.grasps) == result.verified == 3
+    assert result.done == result.verified + sum(blocked.starts for blocked in result.blocked.values()) <= result.starts
+    assert (result.provenance["most"], result.provenance["options"]["tries"]) == (3, 1)
+    assert (told[-1].stage, told[-1].done, told[-1].numbers["verified"]) == ("starts", result.done, 3)
+    pinograsp.write_json(result, tmp_path / "first.json")
+    assert pinograsp.read_json(tmp_path / "first.json") == result
+    assert pinograsp.verify(result) == ()
+
+
+def test_the_first_grasps_within_no_time(planner: Planner) -> None:
+    result = planner.first("sphere", deadline=0.0)
+    assert (result.grasps, result.done, result.interrupted) == ((), 0, False)
+    assert result.starts > 0
+    (warning,) = result.warnings
+    assert warning.startswith("no start was tried: the preparations took ")
+
+
+@pytest.mark.parametrize("stage", ["starts", "preparations"])
+def test_an_interruption_of_the_first_grasps_keeps_them(
+    gen3: Robot, glovebox: Scene, stage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    if stage == "preparations":
+        monkeypatch.setattr(Planner, "_nearest", interrupt)
+    with Planner(gen3, glovebox, workers=1) as planner:
+        planner._report = lambda progress: interrupt() if progress.stage == "starts" else None
+        result = planner.first("sphere")
+    assert result.interrupted
+    assert (result.done, len(result.grasps)) == ((1, 1) if stage == "starts" else (0, 0))
+    assert result.starts > result.done
 
 
 def test_the_scene_digest_follows_its_content(glovebox: Scene) -> None:

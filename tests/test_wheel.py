@@ -187,6 +187,7 @@ def test_a_strictly_typed_script(installed: Installed) -> None:
     script.write_text(right)
     done = installed.run(*mypy, PYTHONWARNINGS="default")
     assert done.returncode == 0, done.stdout + done.stderr
-    script.write_text(right + "\nwrong: int = pinograsp.load_scene('glovebox')\n")
+    script.write_text(right + "\nwrong: int = pinograsp.load_scene('glovebox')\npinograsp.Pose(position='up')\n")
     done = installed.run(*mypy, PYTHONWARNINGS="default")
     assert 'expression has type "Scene"' in done.stdout
+    assert 'Argument "position" to "Pose" has incompatible type "str"' in done.stdout

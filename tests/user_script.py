@@ -58,6 +58,8 @@ def own_configurations(robot: Robot, scene: Scene) -> None:
             print(checked.verified, checked.certificate.refuted_by)
             for pair in checked.clearances:
                 print(pair.link, pair.other, pair.distance)
+        first: Result = planner.first("sphere", most=2, deadline=1.0)
+        print(first.best)
         planner.move("sphere", pinograsp.Pose(position=(0.5, 0.0, 0.2)))
         verifier = pinograsp.Verifier(robot, planner.scene, "sphere")
         certificate: pinograsp.Certificate = verifier.check(next(planner.grasps("sphere")).claim)
@@ -81,10 +83,44 @@ def made_in_python() -> Scene:
     return Scene.from_dict(scene.with_task("hold", withstand=2.0).to_dict())
 
 
+def vectors_as_they_come(planner: Planner) -> tuple[float, float, float]:
+    """Lists and arrays are taken, tuples are held."""
+    point = np.array([0.5, 0.0, 0.3])
+    scene = planner.scene.with_object_pose("ball", np.eye(4).tolist())
+    shape = pinograsp.Box(size=[0.1, 0.1, 0.1])
+    ball = pinograsp.Object(
+        shape=shape, pose=pinograsp.Pose(position=point, rpy=[0, 0, 1]), center_of_mass=[0, 0, 0.01]
+    )
+    region = pinograsp.AllOf(
+        parts=(
+            pinograsp.Near(points=[point, [0.0, 0.0, 0.1]], radius=0.01),
+            pinograsp.Outside(part=pinograsp.HalfSpace(normal=[0, 0, 1], offset=0.0)),
+            pinograsp.Band(z=[0.0, 0.1]),
+        )
+    )
+    task = pinograsp.Task(
+        object="ball",
+        desired_contacts=np.array([[0.05, 0.0, 0.0], [-0.05, 0.0, 0.0]]),
+        wrench=pinograsp.Wrench(force=[0, 0, -1], torque=np.zeros(3)),
+        contact=pinograsp.ContactConstants(friction=0.5),
+        approach=pinograsp.ApproachCone(direction=[0, 0, -1], angle=0.5),
+        joint_ranges={"joint_1": [0.0, 1.0]},
+        allowed_contacts=region,
+    )
+    scene.with_object("ball", ball).with_task("hold", task)
+    planner.move("ball", pinograsp.Pose(position=[0.5, 0.1, 0.3]).matrix)
+    planner.check("hold", [0.0] * 8)
+    pinograsp.HandMount("gripper.urdf", position=[0.0, 0.0, 0.1])
+    x, y, z = ball.pose.position
+    lower: float = task.joint_ranges["joint_1"][0] + task.desired_contacts[0][1]
+    print(np.array(task.desired_contacts).shape, lower, x + y + z)
+    return ball.pose.position
+
+
 def databases(robot: Robot, scene: Scene, folder: Path) -> None:
     with pinograsp.build_database(robot, scene, folder / "starts.duckdb", size=1000) as database:
         cone = pinograsp.DirectionCone(np.array([0.0, 0.0, -1.0]), 0.5)
-        near = pinograsp.configurations_near(database, np.array([0.5, 0.0, 0.3]), 0.2, cone=cone)
+        near = pinograsp.configurations_near(database, [0.5, 0.0, 0.3], [0.2, 0.1, 0.1], cone=cone)
         spread = pinograsp.spread_configurations(database, np.array([0.5, 0.0, 0.3]), 0.2, 10)
         print(near.q.shape, spread.clearances.min(), database.info()["rows"])
         coverage = pinograsp.Coverage.of(database)
@@ -101,6 +137,8 @@ def main() -> None:
     except InputError as error:
         raise SystemExit(f"{error.file}: {error.key}: {error.problem}. {error.remedy}") from None
     print(scene.task("sphere").desired_contacts, scene.objects["sphere"].pose.matrix)
+    draft: pinograsp.Draft = pinograsp.new_robot_file("arm.urdf", "my_arm/robot.yaml")
+    print(draft.text, draft.wrist, draft.checks, float(draft.pad_sizes[0, 0]))
     report = pinograsp.check_robot("gen3_2f85")
     print(report.wrong, [finding.what for finding in report.findings])
     result = planned(robot, scene, "sphere")

@@ -3,16 +3,15 @@
 import numpy as np
 
 import pinograsp
-from pinograsp import ContactConstants, Cylinder, Enclosure, Object, Pose, Scene, Task, Wrench
+from pinograsp import ContactConstants, Cylinder, Enclosure, Object, Pose, Scene, Task
 
 
 def isolator() -> Scene:
-    """Return an isolator around a table, its top at z = 0, with a can on it; m, N, kg, world frame."""
+    """Return an isolator around a table, its top at z = 0, with a can of 0.3 kg on it; m, world frame."""
     can = Object(shape=Cylinder(radius=0.033, height=0.115), pose=Pose(position=(0.55, 0.0, 0.0575)), mass=0.3)
     lift = Task(
         object="can",
         desired_contacts=((0.0, 0.033, 0.02), (0.0, -0.033, 0.02)),  # in the can's frame
-        wrench=Wrench(force=(0.0, 0.0, -3.0)),
         contact=ContactConstants(friction=0.9),
     )
     walls = Enclosure(min=(-0.30, -0.45, 0.0), max=(0.85, 0.45, 0.95))

@@ -10,10 +10,10 @@ URDF = "package://example-robot-data/robots/panda_description/urdf/panda.urdf"
 def main(starts: int = 100) -> None:
     """Write my_panda/robot.yaml, check it and plan with it."""
     file = Path("my_panda/robot.yaml")
-    text, _ = pinograsp.new_robot_file(URDF, file)
+    draft = pinograsp.new_robot_file(URDF, file)
     file.parent.mkdir(exist_ok=True)
-    file.write_text(text)
-    print([line.strip() for line in text.splitlines() if "CHECK" in line])  # what a URDF does not say
+    file.write_text(draft.text)
+    print(draft.checks)  # lines that hold what a URDF does not say
 
     report = pinograsp.check_robot(file)
     for finding in report.findings:

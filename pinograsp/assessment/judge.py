@@ -65,6 +65,8 @@ class Judge:
         mount = scene.mounting.matrix
         self._robot = Robot(robot).with_pads(tuple(pad.name for pad in self._pads)).mounted(mount)
         self.T_world_object = self.body.pose.matrix
+        self.wrench = scene.wrench_of(self.task).vector
+        """External, force and torque about the centre of mass, world, N and N m, shape (6,)."""
         hand = np.concatenate([grasp.synergy, grasp.contact_parameters])
         surface = surface_of(self.body.shape)
         self.closing = Closing(self._robot, surface, grasp.q_arm, hand, self.T_world_object)
@@ -103,14 +105,14 @@ class Judge:
         Args:
             directions: force and torque about the centre of mass, N and N m, not zero, shape (directions, 6).
         """
-        return np.nan_to_num(self._problem(self.no_errors).multiples(self.task.wrench.vector, directions))
+        return np.nan_to_num(self._problem(self.no_errors).multiples(self.wrench, directions))
 
     def _problem(self, draw: Draw) -> BalanceProblem:
         closed = self._closed(draw)
         return hold(self._verifier(closed.T_world_object, draw), self._claim(closed)).problem
 
     def _margin(self, problem: BalanceProblem, weight: float) -> float:
-        margin = problem.margin(weight * self.task.wrench.vector)
+        margin = problem.margin(weight * self.wrench)
         return -math.inf if math.isnan(margin) else margin
 
     def _closed(self, draw: Draw) -> Closed:
@@ -131,7 +133,7 @@ class Judge:
     def _verifier(self, T_world_object: Array, draw: Draw) -> Verifier:
         """Return the verifier of the scene as it is with these errors."""
         scene, name = self.setup.scene, self.setup.task
-        center = tuple((np.array(self.body.center_of_mass) + draw.center_of_mass).tolist())
+        center = tuple((self.body.center_of_mass_object + draw.center_of_mass).tolist())
         body = self.body.model_copy(update={"pose": Pose.of(T_world_object), "center_of_mass": center})
         contact = self.task.contact.model_copy(update={"friction": max(draw.friction, NO_FRICTION)})
         task = self.task.model_copy(update={"contact": contact, "withstand": None})

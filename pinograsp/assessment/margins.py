@@ -84,7 +84,7 @@ def _joint(judge: Judge) -> Margin:
 
 
 def _center_of_mass(judge: Judge) -> Margin:
-    load, size = judge.task.wrench.vector, judge.closing.size
+    load, size = judge.wrench, judge.closing.size
     axes = np.array(AXES) @ judge.T_world_object[:3, :3].T
     torques = np.cross(axes, load[:3])
     directions = np.column_stack([np.zeros((6, 3)), torques])
@@ -115,7 +115,7 @@ def _friction(judge: Judge) -> Margin:
 
 
 def _weight(judge: Judge) -> Margin:
-    load = judge.task.wrench.vector
+    load = judge.wrench
     if not load.any():
         return Margin("weight", HEAVIEST, "", "", "", True)
     more = float(judge.growth(load[None])[0])

@@ -128,6 +128,11 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
+def scaled(unit: float, number: float | None) -> float | None:
+    """Return a number that may be given in a unit of the command line, in that of the library: so many to one."""
+    return None if number is None else unit * number
+
+
 @contextmanager
 def as_options(options: Mapping[str, str]) -> Iterator[None]:
     """Give errors about arguments of the library the names that these have on the command line.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,8 +14,8 @@ import pinograsp
 from ..tables import Table
 from ..units import shown_in
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command, given
-from .folders import file_name, make_folder, save_json
+from .arguments import INTERRUPTED, as_options, command, given, scaled
+from .folders import file_name, make_folder, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
@@ -77,12 +78,12 @@ def assess(
     """
     terminal = Terminal(as_json, quiet)
     sizes = given(
-        position=_scaled(1e-3, position),
-        orientation=_scaled(math.radians(1.0), orientation),
+        position=scaled(1e-3, position),
+        orientation=scaled(math.radians(1.0), orientation),
         friction=friction,
         weight=weight,
-        center_of_mass=_scaled(1e-3, center_of_mass),
-        joint=_scaled(1e-3, joint),
+        center_of_mass=scaled(1e-3, center_of_mass),
+        joint=scaled(1e-3, joint),
     )
     as_given = {
         "position": f"--position {position} mm",
@@ -102,22 +103,20 @@ def assess(
         found = pinograsp.assess(
             chosen, errors, seed=seed, workers=workers, progress=progress, **given(samples=samples)
         )
-    content = {"robot": result.robot, "scene": result.scene, "task": result.task, "number": grasp, **found.to_json()}
-    saved = [] if out is None else [_saved(content, out)]
-    terminal.find(lambda: content, lambda: _report(found, grasp, result, terminal))
-    for line in saved:
+        names = {"robot": result.robot, "scene": result.scene, "task": result.task, "number": grasp}
+        written = saved(_files(names, found, out))
+    terminal.find(lambda: {**names, **found.to_json()}, lambda: _report(found, grasp, result, terminal))
+    for line in written:
         terminal.say(line)
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
 
 
-def _scaled(unit: float, number: float | None) -> float | None:
-    return None if number is None else unit * number
-
-
-def _saved(content: dict[str, Any], folder: Path) -> str:
-    names = (content["scene"], content["task"], content["robot"], f"grasp{content['number']}")
-    return save_json(folder / file_name(*names, "assessment", suffix="json"), content)
+def _files(names: dict[str, Any], found: pinograsp.Assessment, folder: Path | None) -> Iterator[str]:
+    """Write the file if there is a folder for it, and yield what to say of it."""
+    if folder is not None:
+        parts = (names["scene"], names["task"], names["robot"], f"grasp{names['number']}", "assessment")
+        yield save_json(folder / file_name(*parts, suffix="json"), {**names, **found.to_json()})
 
 
 def _report(found: pinograsp.Assessment, number: int, result: pinograsp.Result, terminal: Terminal) -> None:

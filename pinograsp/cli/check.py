@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -15,7 +15,7 @@ from ..disk import is_file, json_of
 from ..errors import InputError
 from . import arguments
 from .arguments import as_options, command, named_values
-from .folders import file_name, make_folder, save, save_json
+from .folders import file_name, make_folder, save, save_json, saved
 from .inputs import read_robot, read_scene
 from .terminal import Terminal
 
@@ -69,10 +69,11 @@ def check(
         planner = pinograsp.Planner(model, described, workers=1, progress=progress)
         with planner, as_options({"joints": "--joints"}):
             found = planner.check(task, values)
-    content = {"robot": name, "scene": described.name, "task": task, **found.to_json()}
-    saved = [] if out is None else list(_saved(found, content, out))
-    terminal.find(lambda: content, lambda: _report(found, f"{task}, {name} in {described.name}", terminal))
-    for line in saved:
+        names = {"robot": name, "scene": described.name, "task": task}
+        written = saved(_files(names, found, out))
+    where = f"{task}, {name} in {described.name}"
+    terminal.find(lambda: {**names, **found.to_json()}, lambda: _report(found, where, terminal))
+    for line in written:
         terminal.say(line)
     if not found.verified:
         raise typer.Exit(NOT_VERIFIED)
@@ -113,9 +114,12 @@ def _of_file(file: Path) -> dict[str, float]:
     return {name: float(value) for name, value in content.items()}
 
 
-def _saved(found: pinograsp.ConfigurationCheck, content: dict[str, Any], folder: Path) -> Iterator[str]:
-    file = folder / file_name(content["scene"], content["task"], content["robot"], "check", suffix="json")
-    yield save_json(file, content)
+def _files(names: dict[str, str], found: pinograsp.ConfigurationCheck, folder: Path | None) -> Iterator[str]:
+    """Write the files if there is a folder for them, and yield what to say of each."""
+    if folder is None:
+        return
+    file = folder / file_name(names["scene"], names["task"], names["robot"], "check", suffix="json")
+    yield save_json(file, {**names, **found.to_json()})
     page = file.with_suffix(".html")
     yield save(page, lambda: pinograsp.visualization.write_html(found, page))
 

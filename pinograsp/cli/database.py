@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -14,14 +15,16 @@ from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
 from .arguments import INTERRUPTED, as_options, command, given, group, help_alone
-from .folders import file_name, make_folder, save
+from .folders import file_name, make_folder, save, saved
 from .inputs import read_robot
 from .terminal import Terminal, fail
 
 if TYPE_CHECKING:
+    from ..database.coverage import Coverage
     from ..database.query import Configurations
 
 NOTHING_FOUND = 1
+DEFAULT_RADIUS = 0.1
 File = Annotated[Path, typer.Argument(metavar="FILE", help="Database.")]
 
 
@@ -63,8 +66,13 @@ def build(
         Literal["joints", "wrist"], typer.Option(help="Uniform joint angles, or even wrist positions.")
     ] = "joints",
     margin: Annotated[
-        float | None, typer.Option(min=0.0, help="Least distance to enclosure and itself, m.", show_default="0.005")
+        float | None,
+        typer.Option(min=0.0, help="Least distance to walls, obstacles and itself, m.", show_default="0.005"),
     ] = None,
+    robot_margin: Annotated[
+        float | None, typer.Option(min=0.0, help="Least distance to itself, m.", show_default="that of --margin")
+    ] = None,
+    wait: Annotated[bool, typer.Option("--wait", help="Wait while another process builds this database.")] = False,
     workers: arguments.Workers = None,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -79,8 +87,9 @@ def build(
     if not 1 <= size <= 1e10:
         raise pinograsp.InputError("must be between 1 and 1e10", key="--size")
     described = pinograsp.load_scene(scene)
-    with as_options({"enclosure": "--margin"}):
-        margins = None if margin is None else pinograsp.Margins(enclosure=margin, robot=margin)
+    distances = given(enclosure=margin, robot=margin if robot_margin is None else robot_margin)
+    with as_options({"enclosure": "--margin", "robot": "--robot-margin"}):
+        margins = pinograsp.Margins(**distances)
     try:
         with terminal.progress() as progress, as_options({"workers": "--workers"}):
             model = read_robot(robot)
@@ -93,6 +102,7 @@ def build(
                 margins=margins,
                 spread=spread,
                 workers=workers,
+                wait=wait,
                 progress=progress,
             )
             with built:
@@ -120,37 +130,81 @@ def info(file: File, as_json: arguments.Json = False, quiet: arguments.Quiet = F
 def query(
     file: File,
     center: Annotated[tuple[float, float, float], typer.Option(metavar="X Y Z", help="Point in the world, m.")],
-    radius: Annotated[float, typer.Option(min=0.0, help="Radius of the ball around it, m.")] = 0.1,
+    radius: Annotated[
+        float | None, typer.Option(min=0.0, help="Radius of the ball around it, m.", show_default="0.1")
+    ] = None,
+    box: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="X Y Z", help="Half edges of a box around it, m.", show_default="a ball"),
+    ] = None,
     cone: Annotated[
         tuple[float, float, float] | None,
         typer.Option(metavar="X Y Z", help="Axis of the approach directions, in the world.", show_default="any"),
     ] = None,
     angle: Annotated[float, typer.Option(help="Half-angle of the cone, degrees.")] = 30.0,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=LEAST,MOST",
+            help="Interval of an arm joint, rad (m); can be repeated, several of one joint are alternatives.",
+        ),
+    ] = None,
     count: Annotated[int, typer.Option(min=1, help="Rows to print.")] = 10,
     spread: Annotated[bool, typer.Option(help="Spread the rows over position, approach and posture.")] = True,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the choice of rows that are spread.")] = 0,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
     """Print configurations whose wrist is near a point.
+
+    They are in a ball or a box around it.
 
     Exit codes: 0 there are some, 1 there are none.
     """
     import numpy as np
 
     terminal = Terminal(as_json, quiet)
-    directions = None
+    if box is not None and radius is not None:
+        raise pinograsp.InputError("is given with --radius", key="--box", remedy="Give one of them")
+    extent = np.array(box) if box is not None else DEFAULT_RADIUS if radius is None else radius
+    intervals, directions = read_intervals(joint or ()), None
     if cone is not None:
         with as_options({"axis": "--cone", "half_angle": f"--angle {angle:g}°"}):
             directions = pinograsp.DirectionCone(np.array(cone), math.radians(angle))
-    sizes = {"center": "--center", "extent": "--radius", "count": "--count", "limit": "--count"}
-    with pinograsp.Database.open(file) as opened, as_options(sizes):
+    sizes = {"center": "--center", "extent": "--radius" if box is None else "--box", "joints": "--joint"}
+    with pinograsp.Database.open(file) as opened, as_options({**sizes, "count": "--count", "limit": "--count"}):
+        middle = np.array(center)
         if spread:
-            found = pinograsp.spread_configurations(opened, np.array(center), radius, count, cone=directions)
+            found = pinograsp.spread_configurations(
+                opened, middle, extent, count, cone=directions, joints=intervals, seed=seed
+            )
         else:
-            found = pinograsp.configurations_near(opened, np.array(center), radius, cone=directions, limit=count)
+            found = pinograsp.configurations_near(
+                opened, middle, extent, cone=directions, joints=intervals, limit=count
+            )
     terminal.find(found.to_json, lambda: terminal.table(configurations_table(found, terminal.width)))
     if not len(found):
         raise typer.Exit(NOTHING_FOUND)
+
+
+def read_intervals(texts: Sequence[str]) -> dict[str, list[tuple[float, float]]]:
+    """Return the intervals of texts such as `elbow=-0.5,0.5`, by joint.
+
+    Raises:
+        InputError: a text is not of this kind, or its ends are no numbers.
+    """
+    found: dict[str, list[tuple[float, float]]] = {}
+    for text in texts:
+        name, _, ends = text.rpartition("=")
+        try:
+            least, most = map(float, ends.split(","))
+        except ValueError:
+            least, most = math.nan, math.nan
+        if not (name and math.isfinite(least) and math.isfinite(most)):
+            remedy = "Give, for example, elbow=-0.5,0.5"
+            raise pinograsp.InputError(f"{text!r} is not JOINT=LEAST,MOST", key="--joint", remedy=remedy)
+        found.setdefault(name, []).append((least, most))
+    return found
 
 
 def coverage(
@@ -172,7 +226,8 @@ def coverage(
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         progress(Progress("counting voxels", 0))
         found = pinograsp.Coverage.of(opened, **given(voxel=voxel))
-    title = f"{found.rows:,} configurations in {file.name}"
+        title = f"{found.rows:,} configurations in {file.name}"
+        written = saved(_pictures(found, title, file.stem, out, png, html))
     from ..frozen import json_data  # with NumPy, which help does not need
 
     shown = ("rows", "voxel", "origin", "voxels", "reached", "mean_directions")
@@ -183,13 +238,18 @@ def coverage(
         "(a larger database may find more)"
     )
     terminal.find(lambda: document, lambda: terminal.say(line))
-    stem = file.stem
+    for said in written:
+        terminal.say(said)
+
+
+def _pictures(found: Coverage, title: str, stem: str, folder: Path, png: bool, html: bool) -> Iterator[str]:
+    """Write the files that are asked for, and yield what to say of each."""
     if png:
-        picture = out / file_name(stem, "coverage", suffix="png")
-        terminal.say(save(picture, lambda: pinograsp.visualization.coverage_png(found, picture, title)))
+        picture = folder / file_name(stem, "coverage", suffix="png")
+        yield save(picture, lambda: pinograsp.visualization.coverage_png(found, picture, title))
     if html:
-        page = out / file_name(stem, "coverage", suffix="html")
-        terminal.say(save(page, lambda: pinograsp.visualization.coverage_html(found, page, title)))
+        page = folder / file_name(stem, "coverage", suffix="html")
+        yield save(page, lambda: pinograsp.visualization.coverage_html(found, page, title))
 
 
 def export(
@@ -206,9 +266,9 @@ def export(
     with terminal.progress() as progress, pinograsp.Database.open(file) as opened:
         rows = opened.rows()
         progress(Progress("writing configurations", 0, rows))
-        saved = save(parquet, lambda: opened.export_parquet(parquet))
+        written = save(parquet, lambda: opened.export_parquet(parquet))
     terminal.find(lambda: {"file": str(parquet), "rows": rows}, lambda: terminal.say(f"{rows:,} configurations"))
-    terminal.say(saved)
+    terminal.say(written)
 
 
 def _say(facts: dict[str, Any], terminal: Terminal, before: str = "") -> None:

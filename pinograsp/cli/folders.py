@@ -1,13 +1,14 @@
-"""The folder that a command writes into, and the names of its files."""
+"""The folder that a command writes into, the names of its files, and how they are written."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..disk import json_text, reason_of, write_whole
 from ..errors import FileError
+from .interrupts import held_interrupts
 
 
 def make_folder(folder: Path) -> None:
@@ -25,6 +26,18 @@ def make_folder(folder: Path) -> None:
 def file_name(*parts: str | int, suffix: str) -> str:
     """Return the name of a file, `<part>_<part>.<suffix>`."""
     return "_".join(map(str, parts)) + f".{suffix}"
+
+
+def saved(lines: Iterable[str]) -> list[str]:
+    """Have files written as soon as what they hold is known, a Ctrl-C after them, and return what to say of them.
+
+    A command does so first of all: then a terminal that is gone loses nothing.
+
+    Args:
+        lines: what is to be said of each, which writes it: from `save` or `remove`.
+    """
+    with held_interrupts():
+        return list(lines)
 
 
 def save(file: Path, write: Callable[[], object]) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,8 +15,8 @@ import pinograsp
 from ..hold.options import HoldOptions
 from ..tables import Table
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command
-from .folders import file_name, make_folder, save, save_json
+from .arguments import INTERRUPTED, as_options, command, given, scaled
+from .folders import file_name, make_folder, save, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
 
@@ -47,6 +47,29 @@ def hold(
     controls: Annotated[bool, typer.Option("--controls", help="Run the negative controls: both must drop it.")] = False,
     acceleration: Annotated[float, typer.Option(help="Of the shakes, m/s^2.")] = HoldOptions.acceleration,
     spin: Annotated[float, typer.Option(help="Angular acceleration of the spins, rad/s^2.")] = HoldOptions.spin,
+    slip_distance: Annotated[
+        float | None, typer.Option(help="Displacement from which on it is not held, mm.", show_default="1")
+    ] = None,
+    slip_angle: Annotated[
+        float | None, typer.Option(help="Rotation from which on it is not held, degrees.", show_default="2")
+    ] = None,
+    ramp: Annotated[
+        float, typer.Option(help="Growth of the acceleration up to the first slip, m/s^2 per second.")
+    ] = HoldOptions.ramp,
+    strongest: Annotated[
+        float, typer.Option(help="Acceleration at which the search for it ends, m/s^2.")
+    ] = HoldOptions.strongest,
+    control: Annotated[
+        str,
+        typer.Option(
+            help="torque of the driver, position of the joints, or auto: torque for hands of one synergy, position for "
+            "others."
+        ),
+    ] = HoldOptions.control,
+    squeeze: Annotated[bool, typer.Option(help="Whether the hand squeezes.")] = HoldOptions.squeeze,
+    friction: Annotated[
+        float | None, typer.Option(help="Friction coefficient.", show_default="that of the task")
+    ] = None,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="Write the model of the first one for MuJoCo's viewer.")] = False,
     film: Annotated[bool, typer.Option("--film", help="Write a film of the first one.")] = False,
     workers: arguments.Workers = None,
@@ -63,8 +86,23 @@ def hold(
     Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
     """
     terminal = Terminal(as_json, quiet)
-    with as_options({"acceleration": "--acceleration", "spin": "--spin"}):
-        options = HoldOptions(acceleration=acceleration, spin=spin, first_slip=first_slip, controls=controls)
+    values: dict[str, Any] = given(
+        acceleration=acceleration,
+        spin=spin,
+        slip_distance=scaled(1e-3, slip_distance),
+        slip_angle=scaled(math.radians(1.0), slip_angle),
+        ramp=ramp,
+        strongest=strongest,
+        control=control,
+        friction=friction,
+    )
+    as_given = {
+        **{name: f"--{name}" for name in values},
+        "slip_distance": f"--slip-distance {slip_distance} mm",
+        "slip_angle": f"--slip-angle {slip_angle}°",
+    }
+    with as_options(as_given):
+        options = HoldOptions(**values, squeeze=squeeze, first_slip=first_slip, controls=controls)
     if best is not None and grasp is not None:
         raise pinograsp.InputError("is given with --best", key="--grasp", remedy="Give one of them")
     if (mjcf or film) and out is None:
@@ -75,20 +113,16 @@ def hold(
     if out is not None:
         make_folder(out)
     with terminal.progress() as progress:
-        outcomes = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
-    outcomes = tuple(dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in outcomes)
-    names = (result.scene, result.task, result.robot)
-    content = {
-        **dict(zip(("scene", "task", "robot"), names, strict=True)),
-        "outcomes": [outcome.to_json() for outcome in outcomes],
-    }
-    saved = [] if out is None else [save_json(out / file_name(*names, "hold", suffix="json"), content)]
-    terminal.find(lambda: content, lambda: _report(outcomes, options, terminal))
-    for line in saved:
+        tested = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
+        outcomes = [dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in tested]
+        written = saved(_files(result, outcomes, out))
+    terminal.find(lambda: _document(result, outcomes), lambda: _report(outcomes, options, terminal))
+    for line in written:
         terminal.say(line)
     if len(outcomes) < len(grasps):
         raise typer.Exit(INTERRUPTED)
     if out is not None:
+        names = (result.scene, result.task, result.robot)
         model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
         if mjcf:
             terminal.say(save(model, lambda: pinograsp.write_mjcf(grasps[0], model, options)))
@@ -109,6 +143,18 @@ def _chosen(
     if not result.grasps:
         raise pinograsp.InputError("holds no grasp", file=file)
     return result.grasps[: best or BEST], 1
+
+
+def _files(result: pinograsp.Result, outcomes: Sequence[pinograsp.HoldOutcome], folder: Path | None) -> Iterator[str]:
+    """Write the file of the outcomes if there is a folder for it, and yield what to say of it."""
+    if folder is not None:
+        file = folder / file_name(result.scene, result.task, result.robot, "hold", suffix="json")
+        yield save_json(file, _document(result, outcomes))
+
+
+def _document(result: pinograsp.Result, outcomes: Sequence[pinograsp.HoldOutcome]) -> dict[str, object]:
+    names = {"scene": result.scene, "task": result.task, "robot": result.robot}
+    return {**names, "outcomes": [outcome.to_json() for outcome in outcomes]}
 
 
 def _report(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions, terminal: Terminal) -> None:

@@ -31,15 +31,31 @@ def read_scene(
     """
     scene = pinograsp.load_scene(name)
     its = scene.task(task)
-    if object_pose is not None:
-        moved, x, y, z, *rpy = object_pose
-        keys = [f"{key}[{index}]" for key in ("position", "rpy") for index in range(3)]
-        with as_options({key: f"--object-pose {name}" for key, name in zip(keys, POSE, strict=True)}):
-            pose = pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2]))
-        scene = scene.with_object_pose(moved, pose)
+    scene = moved(scene, object_pose)
     if lock:
         scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
     return scene
+
+
+def moved(
+    scene: pinograsp.Scene, object_pose: tuple[str, float, float, float, float, float, float] | None
+) -> pinograsp.Scene:
+    """Return a scene with an object elsewhere, if the command line says so.
+
+    Args:
+        scene: the scene.
+        object_pose: name of an object, its position, m, and its roll, pitch and yaw, rad.
+
+    Raises:
+        InputError: there is no such object, or a number is not finite.
+    """
+    if object_pose is None:
+        return scene
+    name, x, y, z, *rpy = object_pose
+    keys = [f"{key}[{index}]" for key in ("position", "rpy") for index in range(3)]
+    with as_options({key: f"--object-pose {axis}" for key, axis in zip(keys, POSE, strict=True)}):
+        pose = pinograsp.Pose(position=(x, y, z), rpy=(rpy[0], rpy[1], rpy[2]))
+    return scene.with_object_pose(name, pose)
 
 
 def read_robot(name: str) -> pinograsp.Robot:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,9 +13,8 @@ import pinograsp
 from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
 from .arguments import INTERRUPTED, as_options, command, given
-from .folders import file_name, make_folder, remove, save
+from .folders import file_name, make_folder, remove, save, saved
 from .inputs import read_robot, read_scene
-from .interrupts import held_interrupts
 from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
 
@@ -29,6 +28,7 @@ def register(app: typer.Typer) -> None:
         "plan",
         "pinograsp plan glovebox --task sphere",
         "pinograsp plan my_scene.yaml --task can --robot my_robot --lock elbow=0",
+        "pinograsp plan glovebox --task sphere --most 3 --deadline 10",
     )(plan)
 
 
@@ -36,9 +36,23 @@ def plan(
     scene: arguments.Scene,
     task: arguments.Task,
     robot: arguments.Robot = arguments.DEFAULT_ROBOT,
-    starts: Annotated[int, typer.Option(min=1, help="Number of starts.")] = DEFAULT_STARTS,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the choice of starts.")] = 0,
+    starts: Annotated[
+        int | None, typer.Option(min=1, help="Number of starts.", show_default=str(DEFAULT_STARTS))
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the choice of starts.", show_default="0")] = None,
     workers: arguments.Workers = None,
+    most: Annotated[
+        int | None, typer.Option(min=1, help="Only the first grasps, so many.", show_default="no such end")
+    ] = None,
+    deadline: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0,
+            metavar="SECONDS",
+            help="Only the first grasps, of starts begun within so many seconds.",
+            show_default="no such end",
+        ),
+    ] = None,
     lock: arguments.Locks = None,
     object_pose: arguments.ObjectPose = None,
     rank_by: Annotated[
@@ -55,7 +69,22 @@ def plan(
         str | None, typer.Option(help="Solver: LD_SLSQP, or LN_COBYLA as in the paper.", show_default="LD_SLSQP")
     ] = None,
     max_evaluations: Annotated[
-        int | None, typer.Option(min=1, help="Budget of evaluations of a start.", show_default="that of the solver")
+        int | None, typer.Option(min=1, help="Budget of evaluations of a solve.", show_default="that of the solver")
+    ] = None,
+    tries: Annotated[int | None, typer.Option(min=1, help="Solves of a start at most.", show_default="3")] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(help="Scaled violation that counts as feasible; 1e-4 is a micrometre.", show_default="1e-4"),
+    ] = None,
+    cost_tolerance: Annotated[
+        float | None, typer.Option(help="Change of the scaled cost at which a solve stops.", show_default="1e-6")
+    ] = None,
+    projection: Annotated[
+        str | None,
+        typer.Option(
+            help="Conditions that a start is projected on: nothing, contacts, or contacts and clearance.",
+            show_default="contacts and clearance",
+        ),
     ] = None,
     out: arguments.Out = Path("out"),
     html: Annotated[bool, typer.Option(help="Write the page with the best grasp.")] = True,
@@ -63,6 +92,10 @@ def plan(
     quiet: arguments.Quiet = False,
 ) -> None:
     """Find, verify and rank grasps.
+
+    With --most or --deadline only the first few: this process tries the starts whose hand is nearest to the object, one
+    after the other and briefly, and ends as well where no grasp can be better. Models and the start database count
+    among the seconds of the deadline.
 
     They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search
     and writes what was found until then. Where no page is written, that of an earlier plan is removed. With --json the
@@ -72,29 +105,37 @@ def plan(
     """
     terminal = Terminal(as_json, quiet)
     described = read_scene(scene, task, object_pose, lock)
-    with as_options({"by": "--rank-by", "algorithm": "--algorithm", "max_evaluations": "--max-evaluations"}):
+    quick = given(most=most, deadline=deadline)
+    whole = given(starts=starts, seed=seed)
+    if quick and whole:
+        of, other = next(iter(whole)), next(iter(quick))
+        raise pinograsp.InputError(f"is given with --{other}", key=f"--{of}", remedy="Give one of them")
+    solver = given(
+        algorithm=algorithm,
+        max_evaluations=max_evaluations,
+        tries=tries,
+        tolerance=tolerance,
+        cost_tolerance=cost_tolerance,
+        projection=projection,
+    )
+    with as_options({"by": "--rank-by", **{name: f"--{name.replace('_', '-')}" for name in solver}}):
         require_order(rank_by)
-        options = pinograsp.SolverOptions(**given(algorithm=algorithm, max_evaluations=max_evaluations))
+        options = pinograsp.SolverOptions(**solver)
     from ..results.encoding import encode
 
     make_folder(out)
-    with terminal.progress() as progress, as_options({"starts": "--starts", "workers": "--workers"}):
+    names = {name: f"--{name}" for name in ("starts", "workers", "deadline")}
+    with terminal.progress() as progress, as_options(names):
         model = read_robot(robot)
-        result = pinograsp.plan(
-            model,
-            described,
-            task,
-            starts=starts,
-            workers=workers,
-            seed=seed,
-            options=options,
-            database=database,
-            progress=progress,
-        )
-    with held_interrupts():
-        saved = list(_saved(result, out, rank_by, html))  # first of all: then a terminal that is gone loses nothing
+        session: dict[str, Any] = {"workers": workers, "options": options, "database": database, "progress": progress}
+        if quick:
+            with pinograsp.Planner(model, described, **session) as planner:
+                result = planner.first(task, **quick)
+        else:
+            result = pinograsp.plan(model, described, task, **whole, **session)
+        written = saved(_files(result, out, rank_by, html))
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
-    for line in saved:
+    for line in written:
         terminal.say(line)
     if result.interrupted:
         raise typer.Exit(INTERRUPTED)
@@ -102,7 +143,7 @@ def plan(
         raise typer.Exit(NOTHING_FOUND)
 
 
-def _saved(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> Iterator[str]:
+def _files(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> Iterator[str]:
     """Write the files, and yield what to say of each."""
     from ..results.table import outcome_lines
 

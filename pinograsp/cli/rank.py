@@ -11,6 +11,7 @@ import pinograsp
 
 from . import arguments, completion
 from .arguments import as_options, command
+from .folders import file_name, make_folder, save
 from .inputs import read_result
 from .orders import ORDERS, is_measured
 from .terminal import Terminal
@@ -27,6 +28,7 @@ def register(app: typer.Typer) -> None:
         "pinograsp rank result.json --by clearance",
         "pinograsp rank result.json --pareto U,clearance",
         "pinograsp rank result.json --by 'joint reserve' --all --json",
+        "pinograsp rank result.json --by clearance --out out",
     )(rank)
 
 
@@ -52,6 +54,7 @@ def rank(
         int, typer.Option(min=1, help="How many grasps that differ in hand pose or arm posture.")
     ] = SHOWN,
     every: Annotated[bool, typer.Option("--all", help="Every grasp, not only those that differ.")] = False,
+    out: arguments.NoOut = None,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
 ) -> None:
@@ -59,6 +62,9 @@ def rank(
 
     The best comes first. Grasps go by their numbers in the file. Two differ if their wrists are more than 20 mm or 15
     degrees apart, or an arm joint more than 30 degrees; each stands for those that are like it.
+
+    With --out the page of the result in this order is written as <scene>_<task>_<robot>_by_<criterion>.html: the best
+    grasp, beside the best ten that differ.
 
     Exit codes: 0 there are grasps, 1 there are none.
     """
@@ -69,6 +75,8 @@ def rank(
         raise pinograsp.InputError(
             "no criterion is named", key="--pareto", remedy=f"Known: {ORDERS.removeprefix('score, ')}"
         )
+    if pareto and out is not None:
+        raise pinograsp.InputError("is given with --out, whose page is of all grasps", key="--pareto")
     with as_options({"by": "--by", "criteria": "--pareto"}):
         listed = _listed(result, by, criteria, None if every else different)
     terminal.find(
@@ -76,6 +84,11 @@ def rank(
     )
     if not listed:
         raise typer.Exit(NONE)
+    if out is not None:
+        make_folder(out)
+        names = (result.scene, result.task, result.robot, "by", by.replace(" ", "_"))
+        page = out / file_name(*names, suffix="html")
+        terminal.say(save(page, lambda: pinograsp.visualization.write_html(result, page, by=by)))
 
 
 def _names(texts: Sequence[str]) -> list[str]:
@@ -87,15 +100,10 @@ def _listed(
     result: pinograsp.Result, by: str, criteria: list[str], most: int | None
 ) -> tuple[pinograsp.Different, ...]:
     """Return grasps in their order; where all are wanted, each stands for itself."""
-    from ..results.different import different
-
-    ranked = result.ranked(by)
-    if criteria:
-        front = {id(grasp) for grasp in result.pareto(criteria)}
-        ranked = tuple(grasp for grasp in ranked if id(grasp) in front)
+    front = criteria or None
     if most is None:
-        return tuple(pinograsp.Different(grasp, grasp.count, 1) for grasp in ranked)
-    return different(ranked, most)
+        return tuple(pinograsp.Different(grasp, grasp.count, 1) for grasp in result.ranked(by, front))
+    return result.different(most, by, front)
 
 
 def _document(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -12,11 +13,8 @@ import pinograsp
 from ..disk import is_file, write_whole
 from . import arguments
 from .arguments import as_options, command, group, help_alone
-from .folders import file_name, make_folder, save
+from .folders import file_name, make_folder, save, saved
 from .terminal import Terminal
-
-if TYPE_CHECKING:
-    from ..onboarding.draft import Draft
 
 SOMETHING_WRONG = 1
 ZERO = (0.0, 0.0, 0.0)
@@ -68,12 +66,12 @@ def check(
     make_folder(out)
     with terminal.progress() as progress:
         report = pinograsp.check_robot(robot, progress)
-    page = out / file_name(report.name, "check", suffix="html")
-    saved = [save(page, lambda: _write_page(report, page))] if report.robot is not None else []
+        page = out / file_name(report.name, "check", suffix="html")
+        written = saved(_files(report, page))
     terminal.find(report.to_json, lambda: _report(report, terminal))
-    for line in saved:
+    for line in written:
         terminal.say(line)
-    if saved and open_page:
+    if written and open_page:
         typer.launch(str(page))
     if report.wrong:
         raise typer.Exit(SOMETHING_WRONG)
@@ -129,16 +127,11 @@ def new(
     if is_file(file) and not force:
         raise pinograsp.InputError("exists already", file=file, key="--out", remedy="Use --force to replace it")
     with as_options(NEW_OPTIONS), terminal.progress() as progress:
-        text, found = pinograsp.new_robot_file(
-            urdf, file, hand=mount, tip=tip, packages=packages or (), progress=progress
-        )
-    saved = save(file, lambda: write_whole(file, text))
-    marked = {
-        number: line.strip() for number, line in enumerate(text.splitlines(), 1) if "CHECK" in line and number > 1
-    }
-    terminal.find(lambda: _new_document(file, found, marked), lambda: _new_report(file, found, marked, terminal))
-    terminal.say(saved)
-    if found.pads is None:
+        draft = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or (), progress=progress)
+    written = save(file, lambda: write_whole(file, draft.text))
+    terminal.find(lambda: {"file": str(file), **draft.to_json()}, lambda: _new_report(file, draft, terminal))
+    terminal.say(written)
+    if not draft.pads:
         raise typer.Exit(SOMETHING_WRONG)
     terminal.say(f"next: pinograsp robot check {file}")
 
@@ -153,22 +146,14 @@ def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
     terminal.say(summary(report))
 
 
-def _write_page(report: pinograsp.RobotReport, page: Path) -> None:
-    assert report.robot is not None
-    pinograsp.visualization.write_robot_html(report.robot, page, report.findings)
+def _files(report: pinograsp.RobotReport, page: Path) -> Iterator[str]:
+    """Write the page of a robot that can be drawn, and yield what to say of it."""
+    if (robot := report.robot) is not None:
+        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings))
 
 
-def _new_document(file: Path, found: Draft, marked: dict[int, str]) -> dict[str, Any]:
-    pads = None if found.pads is None else [pad.link for pad in found.pads]
-    checks = [{"line": number, "text": line} for number, line in marked.items()]
-    arm, hand = list(found.chain.arm), list(found.chain.hand)
-    return {"file": str(file), "arm": arm, "hand": hand, "wrist": found.wrist, "pads": pads, "check": checks}
-
-
-def _new_report(file: Path, found: Draft, marked: dict[int, str], terminal: Terminal) -> None:
-    from ..onboarding.new import summary_lines
-
-    for line in summary_lines(found):
+def _new_report(file: Path, draft: pinograsp.Draft, terminal: Terminal) -> None:
+    for line in draft.summary():
         terminal.say(line)
-    for number, line in marked.items():
+    for number, line in draft.checks.items():
         terminal.say(f"{typer.style(f'{file}:{number}', fg='yellow')}: {line}")

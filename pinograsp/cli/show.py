@@ -63,7 +63,10 @@ def _report(result: pinograsp.Result, number: int, grasp: pinograsp.Grasp, termi
     found = f"found by {grasp.count} {'start' if grasp.count == 1 else 'starts'}"
     where = f"grasp {number} of {len(result.grasps)}: {result.task}, {result.robot} in {result.scene}"
     terminal.say(f"{typer.style(where, bold=True)}; {found}")
-    terminal.say(f"U {grasp.cost.U:.4f}: distances {grasp.cost.phi_mm2:.4f} mm^2, forces V {grasp.cost.V:.4f}")
+    distances = f"distances {grasp.cost.phi_mm2:.4f} mm^2"
+    if result.setup.scene.task(result.task).desired_contacts is None:
+        distances = "no contacts desired"
+    terminal.say(f"U {grasp.cost.U:.4f}: {distances}, forces V {grasp.cost.V:.4f}")
     terminal.say("")
     terminal.say("joints, rad (m):")
     widest = max(map(len, grasp.joints))

@@ -137,7 +137,7 @@ class CollisionModel:
         rotations, translations = self._placed(configuration)
         indices = self._near(rotations, translations)
         values, points, normals = self._measure(indices, rotations, translations)
-        gradients = _gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
+        gradients = distance_gradients(points, normals, configuration.jacobian, self._moves[indices], self._robot.B)
         return Distances(indices, values, gradients)
 
     def _near(self, rotations: Array, translations: Array) -> Indices:
@@ -323,7 +323,7 @@ def _near(
 
 
 @compiled
-def _gradients(points: Array, normals: Array, jacobian: Array, moves: Array, B: Array) -> Array:
+def distance_gradients(points: Array, normals: Array, jacobian: Array, moves: Array, B: Array) -> Array:
     """Return the gradients of distances, shape (k, l + s); `moves` holds support_2 - support_1, shape (k, nv)."""
     gradients = np.zeros((len(points), B.shape[1]))
     for pair in range(len(points)):

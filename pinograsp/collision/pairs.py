@@ -84,7 +84,7 @@ def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair,
     def to(role: Role) -> list[PlacedSolid]:
         return [placed for placed in others if placed.body.role == role]
 
-    pads = {placed.number: _in_front(robot, placed) for placed in fine}
+    pads = {placed.number: pads_before(robot, placed) for placed in fine}
     free = [placed for placed in fine if not pads[placed.number]]
     behind = [placed for placed in fine if pads[placed.number]]
     of_parts = [placed for placed in to("target") if len({solid.part for solid in placed.body.solids}) > 1]
@@ -123,7 +123,7 @@ def _said(world: World, first: Body, second: Body, robot: Robot) -> tuple[str, s
     return CLEARANCES[role], link, other, world.margins[role]
 
 
-def _in_front(robot: Robot, placed: PlacedSolid) -> tuple[int, ...]:
+def pads_before(robot: Robot, placed: PlacedSolid) -> tuple[int, ...]:
     """Return the pads whose surface bounds a link, or this solid of it: as their rubber, or as what backs that."""
     shape, T = placed.solid.shape, placed.body.pose @ placed.solid.placement
     if isinstance(shape, coal.Sphere):

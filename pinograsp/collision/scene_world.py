@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from ..descriptions import Scene, Task
+from ..descriptions.scene import Object
 from ..descriptions.task import Margins
+from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
 from .allowed_pairs import allowed_pairs
 from .solids import link_bodies, scene_body, wall_bodies
-from .world import World
+from .world import Body, World
 
 MARGIN_EXCESS = 2e-5
 """Kept on top of a task's margins, m: a certificate sees round primitives as facets that stand a bit outside them."""
@@ -38,7 +40,7 @@ def task_world(robot: Robot, scene: Scene, task: Task) -> World:
         task: one of its tasks.
     """
     obstacles = [scene_body("obstacle", name, body) for name, body in scene.bodies_besides(task).items()]
-    target = scene_body("target", task.object, scene.objects[task.object])
+    target = _target(task.object, scene.objects[task.object])
     around, own, target_margin = (
         m + MARGIN_EXCESS for m in (task.margin.enclosure, task.margin.robot, task.margin.object)
     )
@@ -47,3 +49,10 @@ def task_world(robot: Robot, scene: Scene, task: Task) -> World:
         margins={"wall": around, "obstacle": around, "target": target_margin, "link": own, "held": own},
         allowed=allowed_pairs(robot, task.margin.robot),
     )
+
+
+def _target(name: str, body: Object) -> Body:
+    """Return the object that is to be grasped; without solids if links are kept off it point by point."""
+    if surface_of(body.shape).uneven:
+        return Body("target", name, 0, body.pose.matrix, (), ())
+    return scene_body("target", name, body)

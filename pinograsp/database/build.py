@@ -211,7 +211,7 @@ def _finish(path: Path, size: int, pace: _Pace) -> None:
         connection = database.connection
         connection.execute(f"ATTACH '{_quoted(sorting)}' AS sorted")
         create_tables(connection, joints, "sorted.")
-        connection.execute(
+        database.select(
             f"INSERT INTO sorted.configurations SELECT {listed} FROM configurations "
             f"WHERE sample < {needed} * {DRAWS}::BIGINT ORDER BY cell, sample"
         )

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.composition import UrdfPart
+from ..descriptions.mesh_files import CONTENT
 from ..descriptions.task import Margins
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening
@@ -41,7 +42,9 @@ class Identity:
             enclosure={
                 "walls": scene.enclosure.model_dump(mode="json"),
                 "mounting": scene.mounting.model_dump(mode="json"),
-                "obstacles": {name: body.model_dump(mode="json") for name, body in scene.obstacles.items()},
+                "obstacles": {
+                    name: body.model_dump(mode="json", context=CONTENT) for name, body in scene.obstacles.items()
+                },
             },
             margins=margins.model_dump(mode="json", include={"enclosure", "robot"}),
         )

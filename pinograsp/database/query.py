@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, real_array
-from ..errors import UnknownNameError, close_names, real_number, require_kind, whole_number
+from ..arrays import Array, Numbers, real_array
+from ..errors import InputError, UnknownNameError, close_names, real_number, require_kind, whole_number
 from ..frozen import Record
 from ..geometry.cone import DirectionCone
 from .store import Database
@@ -62,8 +62,8 @@ class Configurations(Record):
 
 def configurations_near(
     database: Database,
-    center: Array,
-    extent: float | Array,
+    center: Numbers,
+    extent: float | Numbers,
     *,
     cone: DirectionCone | None = None,
     joints: Intervals | None = None,
@@ -92,8 +92,8 @@ def configurations_near(
 
 def spread_configurations(
     database: Database,
-    center: Array,
-    extent: float | Array,
+    center: Numbers,
+    extent: float | Numbers,
     count: int,
     *,
     cone: DirectionCone | None = None,
@@ -137,7 +137,7 @@ def spread_configurations(
 
 
 def _condition(
-    database: Database, center: Array, extent: float | Array, cone: DirectionCone | None, joints: Intervals
+    database: Database, center: Numbers, extent: float | Numbers, cone: DirectionCone | None, joints: Intervals
 ) -> tuple[str, dict[str, Any]]:
     """Return a WHERE clause with its parameters."""
     require_kind("database", database, Database, remedy="Open it with `Database.open`")
@@ -173,6 +173,8 @@ def _condition(
         column = f"q{known.index(name) + 1}"
         choices = []
         for number, (low, high) in enumerate(intervals):
+            if not low <= high:
+                raise InputError(f"{low:g} .. {high:g} is no interval of {name}", key="joints")
             values |= {f"{column}_low{number}": low, f"{column}_high{number}": high}
             choices.append(f"{column} BETWEEN ${column}_low{number} AND ${column}_high{number}")
         parts.append(f"({' OR '.join(choices) or 'false'})")

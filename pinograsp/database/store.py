@@ -11,11 +11,12 @@ one is stored in the order of a space-filling curve of the wrist position (layou
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import duckdb
 from numpy.typing import NDArray
@@ -24,8 +25,12 @@ from ..disk import as_path, is_file, is_folder, reason_of, written_whole
 from ..errors import DatabaseMismatchError, FileError
 from .identity import Identity
 
+Answer = TypeVar("Answer")
+
 FORMAT = 1
 APPLICATION = "pinograsp start database"
+AGAIN = 0.02
+"""Seconds after which a query that has not ended is told so again: it may not have begun when it was told."""
 
 
 def columns(joints: int) -> dict[str, str]:
@@ -111,14 +116,13 @@ class Database:
         self.connection.close()
 
     def select(self, sql: str, values: Mapping[str, Any] | None = None) -> list[tuple[Any, ...]]:
-        """Return the rows of a query; where Ctrl-C ends it, KeyboardInterrupt is raised.
+        """Return the rows of a query; Ctrl-C ends it, and KeyboardInterrupt is raised.
 
         Args:
             sql: the query, with `$name` for values.
             values: by name.
         """
-        with interruptible():
-            return self.connection.execute(sql, values).fetchall()
+        return self._waited_for(lambda: self.connection.execute(sql, values).fetchall())
 
     def select_columns(self, sql: str, values: Mapping[str, Any] | None = None) -> dict[str, NDArray[Any]]:
         """Return the rows of a query as one array for each column.
@@ -127,8 +131,21 @@ class Database:
             sql: as for `select`.
             values: as for `select`.
         """
-        with interruptible():
-            return dict(self.connection.execute(sql, values).fetchnumpy())
+        return self._waited_for(lambda: dict(self.connection.execute(sql, values).fetchnumpy()))
+
+    def _waited_for(self, query: Callable[[], Answer]) -> Answer:
+        """Return the answer of a query, for which a thread of its own waits.
+
+        DuckDB looks for Ctrl-C only in the thread that asks, and not while that one helps its other threads.
+        """
+        with interruptible(), ThreadPoolExecutor(1) as thread:
+            running = thread.submit(query)
+            try:
+                return running.result()
+            except KeyboardInterrupt:
+                while not wait([running], AGAIN).done:
+                    self.connection.interrupt()
+                raise
 
     def metadata(self) -> dict[str, Any]:
         """Return the metadata, JSON values read."""

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from ..disk import content_of, digest
 from ..errors import FileError, InputError
+from .mesh_files import SCENE_FILE
 from .model import Root
 from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
@@ -68,7 +69,8 @@ def read_file(file: Path, model: type[Root]) -> Root:
         raise FileError("is empty or not a mapping of keys", file=file, remedy="Start with `format: 1`")
     refuse_internal(content, file=file, lines=lines.of)
     try:
-        return model.model_validate({"format": ABSENT, **content, "source": file, "digest": digest(data)})
+        whole = {"format": ABSENT, **content, "source": file, "digest": digest(data)}
+        return model.model_validate(whole, context={SCENE_FILE: file})
     except ValidationError as error:
         raise input_error(error, model, content, file=file, lines=lines.of) from None
 

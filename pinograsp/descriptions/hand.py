@@ -8,7 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from .model import Frozen
 from .patches import Patch
-from .values import Interval, Name, Number, Positive, Table, empty, ordered, wrong
+from .values import Interval, Name, NotNegative, Number, Positive, Table, empty, ordered, wrong
 
 _SYNERGY = "a synergy is one joint, or has a name and joints"
 _SYNERGY_REMEDY = "Write `joint: finger`, or `name: close` with `joints: {finger: 1.0, thumb: 0.5}`"
@@ -124,6 +124,8 @@ class PadDescription(Frozen):
     """Surface where contact may be, in the link's frame, m."""
     contact: ContactModel
     """What a contact on it transmits."""
+    rubber_depth: NotNegative = 0.001
+    """How deep an object without a smooth surface, a mesh, may press into the pad, m."""
 
 
 class StiffnessDescription(Frozen):

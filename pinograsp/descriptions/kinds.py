@@ -48,7 +48,9 @@ class Kinds:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         # Without a serialisation of its own an instance is written by its own class.
-        return core_schema.no_info_plain_validator_function(lambda value: self._union.validate_python(value))
+        return core_schema.with_info_plain_validator_function(
+            lambda value, info: self._union.validate_python(value, context=info.context)
+        )
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         return handler(self._union.core_schema)

@@ -7,25 +7,25 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, real_array
+from ..arrays import Array, Rows, real_array
 from ..errors import InputError
 from ..frozen import frozen
 from .model import Frozen
-from .values import Vector3
+from .values import Vector3, as_default
 
-ZERO: Vector3 = (0.0, 0.0, 0.0)
+ZERO = (0.0, 0.0, 0.0)
 
 
 class Pose(Frozen):
     """A frame in another one: position (m) and roll, pitch, yaw (rad) about the fixed axes x, y, z, as in URDF."""
 
-    position: Vector3 = ZERO
+    position: Vector3 = as_default(ZERO)
     """Origin of the frame, m."""
-    rpy: Vector3 = ZERO
+    rpy: Vector3 = as_default(ZERO)
     """Roll, pitch and yaw: turns about the fixed x, then y, then z, rad."""
 
     @classmethod
-    def of(cls, T: Array) -> Pose:
+    def of(cls, T: Rows) -> Pose:
         """Return the pose of a homogeneous transform, shape (4, 4).
 
         Raises:

@@ -7,13 +7,17 @@ inside it is meant. Membership is smooth for the optimiser (`pinograsp.geometry.
 from __future__ import annotations
 
 import math
+import re
 from functools import cached_property
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
+from ..errors import InputError
+from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
-from .values import Number, OrderedInterval, Positive, UnitVector3, Vector3, listed
+from .shapes import Mesh, ShapeDescription
+from .values import Name, Number, OrderedInterval, Points, Positive, UnitVector3, Vector3, listed, wrong
 
 
 class HalfSpace(Frozen):
@@ -68,7 +72,7 @@ class Near(Frozen):
     """Points within `radius` of one of the `points`: contact where it is painted with a round brush."""
 
     type: Literal["near"] = "near"
-    points: Annotated[tuple[Vector3, ...], BeforeValidator(listed), Field(min_length=1)]
+    points: Points
     """m, shape (n, 3)."""
     radius: Positive
     """m."""
@@ -77,6 +81,62 @@ class Near(Frozen):
     def balls(self) -> AnyOf:
         """The same region as balls."""
         return AnyOf(parts=tuple(Ball(center=point, radius=self.radius) for point in self.points))
+
+
+COLORS_ALIKE = 16
+"""Colours are one if no channel differs by more, of 255."""
+
+
+def _channels(value: object) -> object:
+    """Return a colour as HTML writes it, "#rrggbb", as three numbers."""
+    if isinstance(value, str):
+        if not re.fullmatch("#[0-9a-fA-F]{6}", value):
+            raise wrong(f"{value!r} is no colour", remedy='Write it as "#rrggbb", in quotes, or as three numbers')
+        return tuple(bytes.fromhex(value[1:]))
+    return listed(value)
+
+
+Channel = Annotated[int, Field(ge=0, le=255, strict=True)]
+
+
+class Painted(MeshFile):
+    """The part of a surface that is painted in a mesh file: triangles of a colour, a material and a group, where given.
+
+    A triangle has a colour if two of its corners have it at least.
+    """
+
+    type: Literal["painted"] = "painted"
+    file: MeshAddress | None = None
+    """Mesh whose surface is that of the object, in the object's frame; by default the object's own."""
+    color: Annotated[tuple[Channel, Channel, Channel], BeforeValidator(_channels)] | None = None
+    """Red, green and blue from 0 to 255, or "#rrggbb": of triangles, of their corners, or of a texture there."""
+    material: Name | None = None
+    """Name of a material."""
+    group: Name | None = None
+    """Name of an object, a group or a part of the file."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Painted:
+        if self.color is None and self.material is None and self.group is None:
+            raise wrong("nothing says what is painted", remedy="Give `color`, `material` or `group`")
+        for key, field in MeshFile.model_fields.items():
+            if self.file is None and getattr(self, key) != field.default:
+                raise wrong("belongs to a `file`, which is not given", key, remedy="Give it in the object's shape")
+        return self
+
+    @cached_property
+    def mesh(self) -> Mesh | None:
+        """The mesh that carries the paint; None: that of the object."""
+        if self.file is None:
+            return None
+        return Mesh(**{name: getattr(self, name) for name in MeshFile.model_fields})
+
+    @property
+    def words(self) -> str:
+        """Colour, material and group, in words."""
+        color = None if self.color is None else "#" + bytes(self.color).hex()
+        given = {"color": color, "material": self.material, "group": self.group}
+        return " and ".join(f"{name} {value!r}" for name, value in given.items() if value is not None)
 
 
 class AllOf(Frozen):
@@ -104,8 +164,28 @@ class Outside(Frozen):
 
 
 Region = Annotated[
-    HalfSpace | Band | Sector | Ball | Cuboid | Near | AllOf | AnyOf | Outside,
+    HalfSpace | Band | Sector | Ball | Cuboid | Near | Painted | AllOf | AnyOf | Outside,
     Field(discriminator="type"),
 ]
 for _combination in (AllOf, AnyOf, Outside):
     _combination.model_rebuild()
+
+
+def on_object(region: Region, shape: ShapeDescription) -> Region:
+    """Return a region of an object of a shape: what is painted without a file is so on the object's mesh.
+
+    Raises:
+        InputError: the object is no mesh, and a painted region names no file.
+    """
+    match region:
+        case Painted(file=None):
+            if not isinstance(shape, Mesh):
+                problem = f"nothing is painted on an object of type {shape.type}"
+                raise InputError(problem, remedy="Give the painted region a `file`, or make the object a mesh")
+            of_mesh = {name: getattr(shape, name) for name in MeshFile.model_fields}
+            return Painted(**of_mesh, color=region.color, material=region.material, group=region.group)
+        case AllOf() | AnyOf():
+            return region.model_copy(update={"parts": tuple(on_object(part, shape) for part in region.parts)})
+        case Outside():
+            return Outside(part=on_object(region.part, shape))
+    return region

@@ -13,21 +13,41 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
-from ..arrays import Array
+from ..arrays import Array, Rows
 from ..disk import digest
-from ..errors import InputError, UnknownNameError, close_names, require_kind
+from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from ..frozen import FrozenMapping, frozen
+from .mesh_files import CONTENT, content_hashes
 from .model import FileRoot, Frozen
-from .pose import ZERO, Pose
+from .pose import Pose
 from .problems import INTERNAL, refuse_internal
+from .regions import Region, on_object
 from .scene_html import scene_html
 from .shapes import Shape
-from .task import Task
-from .values import ABSENT, FileName, Format1, Name, Positive, Table, Vector3, empty, wrong, wrong_name
+from .task import Task, Wrench
+from .values import (
+    ABSENT,
+    FARTHEST,
+    FileName,
+    Format1,
+    Name,
+    OptionalVector3,
+    Positive,
+    Table,
+    Vector3,
+    as_default,
+    empty,
+    wrong,
+    wrong_name,
+)
 
 Part = TypeVar("Part", bound=Frozen)
+STANDARD_GRAVITY = 9.80665
+"""On Earth, m/s^2."""
+DOWN = (0.0, 0.0, -STANDARD_GRAVITY)
+"""Gravity of a scene that says nothing else, m/s^2, world."""
 
 
 class Enclosure(Frozen):
@@ -68,16 +88,22 @@ class Body(Frozen):
 class Object(Body):
     """Something to grasp; in the tasks of other objects it is an obstacle."""
 
-    center_of_mass: Vector3 = ZERO
-    """In the object's frame, m."""
+    center_of_mass: OptionalVector3 = as_default(None)
+    """In the object's frame, m; by default that of its shape, filled evenly."""
     mass: Positive | None = None
-    """kg; by default what a task's external force weighs on Earth."""
+    """kg; by default what a task's external force weighs in the gravity of the scene."""
+
+    @cached_property
+    def center_of_mass_object(self) -> Array:
+        """Centre of mass in the object's frame, m, shape (3,); read-only."""
+        given = self.center_of_mass
+        return np.asarray(frozen(np.array(self.shape.centroid if given is None else given)))
 
     @cached_property
     def center_of_mass_world(self) -> Array:
         """Centre of mass in the world, m, shape (3,); read-only."""
         T = self.pose.matrix
-        return np.asarray(frozen(T[:3, :3] @ np.array(self.center_of_mass) + T[:3, 3]))
+        return np.asarray(frozen(T[:3, :3] @ self.center_of_mass_object + T[:3, 3]))
 
 
 class Scene(FileRoot):
@@ -91,7 +117,7 @@ class Scene(FileRoot):
     source: Path | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
-    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python."""
+    """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python; and of mesh files."""
     name: FileName
     """Of the scene; part of the names of its files of results."""
     description: str = ""
@@ -100,6 +126,8 @@ class Scene(FileRoot):
     """The room that the robot must stay in, m, world."""
     mounting: Pose = Pose()
     """Pose of the robot's root link in the world."""
+    gravity: Vector3 = as_default(DOWN)
+    """Acceleration of free fall, m/s^2, world, in any direction; zeros where nothing falls."""
     obstacles: Table[Name, Body] = Field(default_factory=empty)
     """Bodies that stay where they are, by name."""
     objects: Table[Name, Object]
@@ -113,16 +141,27 @@ class Scene(FileRoot):
             if task.object not in self.objects:
                 problem = f"no object {task.object!r} is defined"
                 raise wrong_name(problem, task.object, list(self.objects), "tasks", name, "object")
+            try:
+                self.wrench_of(task)
+            except InputError as error:
+                raise wrong(error.problem, "tasks", name, remedy=error.remedy) from None
+            try:
+                self.region_of(task)
+            except InputError as error:
+                key = "forbidden_contacts" if task.allowed_contacts is None else "allowed_contacts"
+                raise wrong(error.problem, "tasks", name, key, remedy=error.remedy) from None
         for name in self.obstacles:
             if name in self.objects:
                 raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
         return self
 
     @model_validator(mode="after")
-    def _digested(self) -> Self:
+    def _digested(self, info: ValidationInfo) -> Self:
         if self.source is None or not self.digest:
-            content = json.dumps(self.to_dict(), sort_keys=True)
+            content = json.dumps(self._to_dict(CONTENT), sort_keys=True)
             self.__dict__["digest"] = digest(content.encode())
+        elif info.context and (meshes := content_hashes(self)):  # where a file is read, not a result
+            self.__dict__["digest"] = digest(json.dumps([self.digest, meshes]).encode())
         return self
 
     def _repr_html_(self) -> str:
@@ -150,7 +189,12 @@ class Scene(FileRoot):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the content as a YAML file has it: lists, texts, numbers and dicts of these; `from_dict` reads it."""
-        return self.model_dump(mode="json", exclude={*INTERNAL}, exclude_none=True)
+        return self._to_dict()
+
+    def _to_dict(self, context: Any = None) -> dict[str, Any]:
+        # Without the gravity of scenes that say nothing about it, whose digests are older than this key.
+        standard = {"gravity"} if self.gravity == DOWN else set()
+        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
 
     def task(self, name: str) -> Task:
         """Return a task by name.
@@ -160,7 +204,7 @@ class Scene(FileRoot):
         """
         return self._named("task", name, self.tasks)
 
-    def with_object_pose(self, name: str, pose: Pose | Array) -> Self:
+    def with_object_pose(self, name: str, pose: Pose | Rows) -> Self:
         """Return the scene with an object at another pose.
 
         Args:
@@ -272,6 +316,51 @@ class Scene(FileRoot):
         """Return what the robot must keep clear of in this task: obstacles and the other objects."""
         others = {name: body for name, body in self.objects.items() if name != task.object}
         return {**self.obstacles, **others}
+
+    def wrench_of(self, task: Task) -> Wrench:
+        """Return the external wrench on the object of a task: the task's own, else the weight of the object.
+
+        Raises:
+            UnknownNameError: the object is none of the scene.
+            TaskError: the task has no wrench and the object no mass, or the weight is out of range.
+        """
+        if task.wrench is not None:
+            return task.wrench
+        mass = self._named("object", task.object, self.objects).mass
+        if mass is None:
+            problem = f"no wrench is given, and object {task.object!r} has no mass that would weigh"
+            remedy = f"Give `objects.{task.object}.mass` in kg, or a wrench"
+            raise TaskError(problem, file=self.source, key=f"objects.{task.object}.mass", remedy=remedy)
+        x, y, z = (mass * g for g in self.gravity)
+        if max(abs(x), abs(y), abs(z)) > FARTHEST:
+            problem, key = f"object {task.object!r} weighs more than {FARTHEST:g} N", f"objects.{task.object}.mass"
+            remedy = f"Correct `{key}` (kg) or `gravity` (m/s^2)"
+            raise TaskError(problem, file=self.source, key=key, remedy=remedy)
+        return Wrench(force=(x, y, z))
+
+    def region_of(self, task: Task) -> Region | None:
+        """Return the part of the object's surface that contacts must be on; None: all of it.
+
+        Raises:
+            UnknownNameError: the object is none of the scene.
+            InputError: a painted region names no file, and the object is no mesh.
+        """
+        shape = self._named("object", task.object, self.objects).shape
+        return None if task.contact_region is None else on_object(task.contact_region, shape)
+
+    def mass_of(self, task: Task) -> float | None:
+        """Return the mass of the object of a task, kg: its own, else what the task's force weighs in this gravity.
+
+        None if that is nothing: without a force, or without gravity.
+
+        Raises:
+            UnknownNameError: the object is none of the scene.
+        """
+        mass = self._named("object", task.object, self.objects).mass
+        if mass is not None or task.wrench is None:
+            return mass
+        weight, gravity = (float(np.linalg.norm(vector)) for vector in (task.wrench.force, self.gravity))
+        return weight / gravity if weight > 0.0 and gravity > 0.0 else None
 
     def _named(self, what: str, name: str, table: Mapping[str, Part]) -> Part:
         if not isinstance(name, str) or name not in table:

@@ -6,20 +6,33 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .kinds import Kinds
+from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .pose import Pose
-from .values import NotNegative, Positive, listed, wrong
+from .values import NotNegative, Positive, Sizes3, listed, wrong
 
 
 class ShapeDescription(Frozen):
     """A shape in its own frame; each class narrows `type` to its name."""
 
     type: str
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the shape filled evenly, in its own frame, m."""
+        return 0.0, 0.0, 0.0
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        raise NotImplementedError(f"the shape {self.type} has no volume")
 
 
 class Sphere(ShapeDescription):
@@ -29,13 +42,23 @@ class Sphere(ShapeDescription):
     radius: Positive
     """m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * self.radius**3
+
 
 class Box(ShapeDescription):
     """A box centred at the origin of its frame, edges along its axes."""
 
     type: Literal["box"] = "box"
-    size: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    size: Sizes3
     """Edge lengths along x, y, z, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.prod(self.size)
 
 
 class Cylinder(ShapeDescription):
@@ -47,6 +70,11 @@ class Cylinder(ShapeDescription):
     height: Positive
     """Along z, m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * self.height
+
 
 class Capsule(ShapeDescription):
     """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
@@ -56,6 +84,11 @@ class Capsule(ShapeDescription):
     """m."""
     length: Positive
     """Between the centres of the two end balls, m."""
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi * self.radius**2 * (self.length + 4.0 / 3.0 * self.radius)
 
 
 class Cone(ShapeDescription):
@@ -75,16 +108,53 @@ class Cone(ShapeDescription):
             raise wrong("both radii are 0", "bottom_radius", remedy="Give one of them more")
         return self
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        bottom, top = self.bottom_radius, self.top_radius
+        return math.pi / 3.0 * self.height * (bottom**2 + bottom * top + top**2)
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the cone filled evenly: on the axis, towards the wider end, m."""
+        wider = max(self.bottom_radius, self.top_radius)
+        bottom, top = self.bottom_radius / wider, self.top_radius / wider
+        return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
+
 
 class Ellipsoid(ShapeDescription):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
 
     type: Literal["ellipsoid"] = "ellipsoid"
-    semi_axes: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    semi_axes: Sizes3
     """Along x, y, z, m."""
 
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return 4.0 / 3.0 * math.pi * math.prod(self.semi_axes)
 
-SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid)
+
+class Mesh(ShapeDescription, MeshFile):
+    """The body that the triangles of a file enclose, in the frame of the file."""
+
+    type: Literal["mesh"] = "mesh"
+    file: MeshAddress
+    """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
+
+    @cached_property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the body filled evenly, m; the file is read when it is first asked.
+
+        Raises:
+            FileError: the file cannot be read, or is not that which was described.
+        """
+        from .mesh_centroid import centroid_of  # which needs more time to import than all of the descriptions
+
+        return centroid_of(self)
+
+
+SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)
 """Every shape that a scene file may have."""
 
 Shape = Annotated[ShapeDescription, SHAPES]
@@ -111,6 +181,22 @@ class Compound(ShapeDescription):
     type: Literal["compound"] = "compound"
     parts: Annotated[tuple[Part, ...], BeforeValidator(listed), Field(min_length=1)]
     """At least one, in the compound's frame."""
+
+    @property
+    def volume(self) -> float:
+        """m^3; what parts share counts in each of them."""
+        return sum(part.shape.volume for part in self.parts)
+
+    @property
+    def centroid(self) -> tuple[float, float, float]:
+        """Centre of mass of the parts filled evenly, in the compound's frame, m; what they share counts in each."""
+        sums = [0.0, 0.0, 0.0]
+        for part in self.parts:
+            T, share = part.pose.matrix, part.shape.volume / self.volume
+            for axis in range(3):
+                turned = sum(T[axis, k] * part.shape.centroid[k] for k in range(3))
+                sums[axis] += share * float(turned + T[axis, 3])
+        return sums[0], sums[1], sums[2]
 
 
 SHAPES.add(Compound)

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ..arrays import Array
 from ..frozen import frozen
@@ -18,7 +18,20 @@ from .hand import ContactModel
 from .model import Frozen
 from .pose import ZERO
 from .regions import AllOf, Outside, Region
-from .values import Name, NotNegative, Number, Positive, Range, Table, UnitVector3, Vector3, empty, listed, wrong
+from .values import (
+    ContactPoints,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Ranges,
+    Table,
+    UnitVector3,
+    Vector3,
+    as_default,
+    empty,
+    wrong,
+)
 
 
 class Wrench(Frozen):
@@ -26,7 +39,7 @@ class Wrench(Frozen):
 
     force: Vector3
     """N, world."""
-    torque: Vector3 = ZERO
+    torque: Vector3 = as_default(ZERO)
     """About the centre of mass, N m, world."""
 
     @cached_property
@@ -107,12 +120,18 @@ class Task(Frozen):
 
     object: Name
     """Name of an object of the scene."""
-    desired_contacts: Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
-    """Desired contact points on the object's surface, in the object's frame, m; one for each pad."""
+    desired_contacts: ContactPoints | None = None
+    """Desired contact points on the object's surface, in the object's frame, m; one for each pad.
+
+    If not given, each start is led to a pair of opposite points that is proposed to it, and Phi is zero.
+    """
     pads: Annotated[tuple[Name, ...], Field(min_length=2)] | None = None
     """Names of the robot's pads that are to touch the object; all if not given. The nearest takes each point."""
-    wrench: Wrench
-    """External force, N, and torque, N m, that the contacts are to balance, world."""
+    wrench: Wrench | None = None
+    """External force, N, and torque, N m, that the contacts are to balance, world; all of it, the weight included.
+
+    By default the weight of the object: its mass times the gravity of the scene, at its centre of mass.
+    """
     contact: ContactConstants
     """Friction, and limits of the contact forces, N."""
     force_weight: NotNegative = 1.0
@@ -133,7 +152,7 @@ class Task(Frozen):
     """Least acceleration of the object in any direction that its grasp must withstand, m/s^2; none if not given."""
     approach: ApproachCone | None = None
     """Approach directions that are wanted; every direction if not given."""
-    joint_ranges: Table[Name, Range] = Field(default_factory=empty)
+    joint_ranges: Ranges = Field(default_factory=empty)
     """Ranges of arm joints and synergies within the robot's limits, rad (m); one of no width locks its joint.
 
     Whole turns of a continuous joint do not count: [3.0, 3.5] holds the reported angle -3.1, which is 3.18 less a turn.

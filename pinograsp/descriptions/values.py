@@ -1,14 +1,14 @@
 """Types of the values in robot and scene files: numbers, names, vectors, intervals, tables; one definition each.
 
-Vectors are tuples when they have been read; lists and NumPy arrays are taken for them. Tables of named parts become
-mappings that cannot be written.
+Vectors are tuples when they have been read; lists and NumPy arrays are taken for them, which type checkers know. Tables
+of named parts become mappings that cannot be written.
 """
 
 from __future__ import annotations
 
 import unicodedata
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, FiniteFloat, WrapSerializer
@@ -16,6 +16,9 @@ from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from ..errors import close_names
 from ..frozen import FrozenMapping
+
+if TYPE_CHECKING:
+    from ..arrays import Numbers, Rows, Takes
 
 ABSENT = object()
 """In place of a `format` that a file does not give."""
@@ -88,7 +91,6 @@ NotNegative = Annotated[Number, Field(ge=0.0)]
 Name = Annotated[str, Field(min_length=1)]
 FileName = Annotated[Name, AfterValidator(_fit_for_files)]
 """A name that becomes part of a file's name."""
-Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
 Interval = Annotated[tuple[Number, Number], BeforeValidator(listed)]
 
 
@@ -112,12 +114,6 @@ def _unit(vector: tuple[float, float, float]) -> tuple[float, float, float]:
     return vector
 
 
-UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
-OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
-"""An interval that has a width."""
-Range = Annotated[Interval, AfterValidator(_not_above)]
-"""An interval that may have no width."""
-
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
@@ -134,6 +130,33 @@ Table = Annotated[Mapping[Key, Value], AfterValidator(_frozen), WrapSerializer(_
 """Parts by name; cannot be written."""
 
 
-def empty() -> FrozenMapping[Any]:
-    """Return a table without entries."""
+def empty() -> Any:
+    """Return a table without entries, whatever its field takes."""
     return FrozenMapping({})
+
+
+def as_default(value: object) -> Any:
+    """Return a value as the default of a field below, whose type has no values for type checkers."""
+    return value
+
+
+if TYPE_CHECKING:
+    Vector3: TypeAlias = Takes[Numbers, tuple[float, float, float]]
+    Sizes3: TypeAlias = Vector3
+    UnitVector3: TypeAlias = Vector3
+    OptionalVector3: TypeAlias = Takes[Numbers | None, tuple[float, float, float] | None]
+    Points: TypeAlias = Takes[Rows, tuple[tuple[float, float, float], ...]]
+    ContactPoints: TypeAlias = Points
+    OrderedInterval: TypeAlias = Takes[Numbers, tuple[float, float]]
+    Ranges: TypeAlias = Takes[Mapping[str, Numbers], Mapping[str, tuple[float, float]]]
+else:
+    Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
+    Sizes3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
+    OptionalVector3 = Vector3 | None
+    Points = Annotated[tuple[Vector3, ...], Field(min_length=1), BeforeValidator(listed)]
+    ContactPoints = Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
+    OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
+    """An interval that has a width."""
+    Ranges = Table[Name, Annotated[Interval, AfterValidator(_not_above)]]
+    """Intervals by name that may have no width."""

@@ -47,6 +47,27 @@ def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: flo
     return _cached(key, mesh, scale, pieces, tolerance)
 
 
+def body_cover(name: str, triangles: Array, pieces: int, tolerance: float) -> Pieces:
+    """Return convex pieces that together contain a closed mesh that is read already; arguments as of `mesh_cover`.
+
+    Args:
+        name: of the file in the cache, besides the digest of the content.
+        triangles: shape (n, 3, 3), m.
+        pieces: their largest number.
+        tolerance: m.
+
+    Raises:
+        FlatError: the mesh lies in one plane.
+    """
+    key = digest(f"{VERSION} {pieces} {tolerance} ".encode() + triangles.tobytes())
+    file = cache_folder() / "covers" / f"{name}-{key[:32]}.npz"
+    found = _load(file)
+    if found is None:
+        found = tuple(cover(triangles, pieces, tolerance))
+        _save(file, found)
+    return found
+
+
 @lru_cache(maxsize=256)  # worker processes that are forked have it all
 def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: float) -> Pieces:
     file = cache_folder() / "covers" / f"{mesh.stem}-{key[:32]}.npz"

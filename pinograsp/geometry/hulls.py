@@ -40,14 +40,21 @@ class Hull:
         """The facets, shape (facets, 3, 3)."""
         self.areas: Array = areas(self.triangles)
         """Of the facets, m^2, shape (facets,)."""
-        self._normals: Array = hull.equations[:, :3]
+        self.volume = float(hull.volume)
+        """m^3."""
+        self.normals: Array = hull.equations[:, :3]
+        """Outward unit normals of the facets, shape (facets, 3)."""
         self._offsets: Array = hull.equations[:, 3]
         self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
-    def holds(self, points: Array) -> Mask:
-        """Return which of the points, shape (n, 3), are in the hull or on it."""
+    def outside(self, points: Array) -> Array:
+        """Return how far points, shape (n, 3), are beyond the facet that they are farthest beyond, m, shape (n,)."""
+        return np.asarray((points @ self.normals.T + self._offsets).max(axis=1))
+
+    def holds(self, points: Array, depth: float = -_TOUCHING) -> Mask:
+        """Return which of the points, shape (n, 3), are in the hull or on it, or so deep in it, m."""
         inside: Mask = ((points >= self._low) & (points <= self._high)).all(axis=1)
-        inside[inside] = (points[inside] @ self._normals.T <= _TOUCHING - self._offsets).all(axis=1)
+        inside[inside] = (points[inside] @ self.normals.T <= -depth - self._offsets).all(axis=1)
         return inside
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import regions as described
+from .painted import painted_surface
 
 SMOOTHING = 0.0003
 """rho, m."""
@@ -45,6 +46,8 @@ def is_convex(region: described.Region) -> bool:
             return is_convex(region.balls)
         case described.AnyOf():
             return len(region.parts) == 1 and is_convex(region.parts[0])
+        case described.Painted():
+            return False
     return True
 
 
@@ -106,6 +109,10 @@ def _near(region: described.Near, sign: float) -> Membership:
     return _any_of(region.balls, sign)
 
 
+def _painted(region: described.Painted, sign: float) -> Membership:
+    return _signed(painted_surface(region).membership, sign)
+
+
 def _all_of(region: described.AllOf, sign: float) -> Membership:
     return _joined([_MAKERS[type(part)](part, sign) for part in region.parts], smallest=sign > 0)
 
@@ -143,6 +150,7 @@ _MAKERS: dict[type, Any] = {
     described.Ball: _ball,
     described.Cuboid: _cuboid,
     described.Near: _near,
+    described.Painted: _painted,
     described.AllOf: _all_of,
     described.AnyOf: _any_of,
     described.Outside: _outside,

@@ -19,7 +19,6 @@ from ..descriptions import RobotDescription
 from ..descriptions.pose import Pose
 from ..descriptions.urdf import RobotUrdf, mimics_of
 from ..descriptions.urdf_checks import number
-from ..descriptions.values import Vector3
 from ..errors import InputError
 
 _SLIDING, _TURNING = ("prismatic",), ("revolute", "continuous")
@@ -120,7 +119,7 @@ def _inertia(link: ET.Element, file: Path) -> Inertia | None:
     return Inertia(np.array([x, y, z]), kilograms, R @ own @ R.T)
 
 
-def _vector(element: ET.Element | None, name: str, default: Vector3, file: Path, key: str) -> Array:
+def _vector(element: ET.Element | None, name: str, default: tuple[float, float, float], file: Path, key: str) -> Array:
     text = None if element is None else element.get(name)
     if not text:
         return np.array(default)

@@ -95,7 +95,8 @@ class HandAndObject:
         self._links = hand_links(read.urdf, self._robot)
         self._task = setup.scene.task(setup.task)
         self._object = setup.scene.objects[self._task.object]
-        self._mass = required_mass(self._object, self._task)
+        self._mass = required_mass(setup.scene, self._task)
+        self._wrench = setup.scene.wrench_of(self._task)
         self._body = object_body(self._task.object, self._object.shape)
         self._friction = self._task.contact.friction if options.friction is None else options.friction
         one = len(self._robot.hand.synergies) == 1
@@ -122,7 +123,7 @@ class HandAndObject:
             shown: whether it has the links' meshes besides what touches, which only viewers need.
         """
         poses = self._kinematics.poses(grasp.joints)
-        gravity = np.array(self._task.wrench.force) / self._mass
+        gravity = np.array(self._wrench.force) / self._mass
         root = ET.Element("mujoco", model="hold")
         ET.SubElement(root, "compiler", angle="radian", boundmass="0.001", boundinertia="1e-6", balanceinertia="true")
         option = ET.SubElement(root, "option", _OPTIONS, gravity=numbers(gravity))
@@ -140,7 +141,7 @@ class HandAndObject:
         return HoldModel(
             xml=ET.tostring(root, encoding="unicode"),
             gravity=gravity,
-            torque=np.array(self._task.wrench.torque),
+            torque=np.array(self._wrench.torque),
             inertia=self._mass * R @ self._body.inertia @ R.T,
             slack=np.array(drive.slack),
             yields=self._servos,
@@ -205,7 +206,7 @@ class HandAndObject:
     def _add_object(self, world: ET.Element, pose: Array) -> None:
         body = ET.SubElement(world, "body", placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
-        _add_inertial(body, self._object.center_of_mass, self._mass, self._mass * self._body.inertia)
+        _add_inertial(body, self._object.center_of_mass_object, self._mass, self._mass * self._body.inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
         for k, geom in enumerate(self._body.geoms):
             ET.SubElement(body, "geom", geom | touching, name=f"{OBJECT}:{k}")

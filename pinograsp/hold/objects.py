@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions import Task
-from ..descriptions.scene import Object
+from ..descriptions import Scene, Task
 from ..descriptions.shapes import Box, Capsule, Compound, Cylinder, Ellipsoid, Part, ShapeDescription, Sphere
 from ..errors import InputError, TaskError
-from ..verification.resistance import mass_of
 from .drive import numbers
 
 
@@ -32,42 +29,36 @@ class _Solid(NamedTuple):
     geom: dict[str, str]
     inertia: Array
     """Diagonal of the inertia per mass, m^2, shape (3,)."""
-    volume: float
-    """m^3."""
 
 
 def _sphere(shape: Sphere) -> _Solid:
-    r = shape.radius
-    return _Solid({"type": "sphere", "size": f"{r!r}"}, np.full(3, 0.4 * r**2), 4.0 / 3.0 * math.pi * r**3)
+    return _Solid({"type": "sphere", "size": f"{shape.radius!r}"}, np.full(3, 0.4 * shape.radius**2))
 
 
 def _box(shape: Box) -> _Solid:
     squares = np.square(shape.size)
     half = " ".join(repr(edge / 2) for edge in shape.size)
-    return _Solid({"type": "box", "size": half}, (squares.sum() - squares) / 12, math.prod(shape.size))
+    return _Solid({"type": "box", "size": half}, (squares.sum() - squares) / 12)
 
 
 def _cylinder(shape: Cylinder) -> _Solid:
     across, along = shape.radius**2 / 2, shape.radius**2 / 4 + shape.height**2 / 12
     size = f"{shape.radius!r} {shape.height / 2!r}"
-    volume = math.pi * shape.radius**2 * shape.height
-    return _Solid({"type": "cylinder", "size": size}, np.array([along, along, across]), volume)
+    return _Solid({"type": "cylinder", "size": size}, np.array([along, along, across]))
 
 
 def _capsule(shape: Capsule) -> _Solid:
     r, l = shape.radius, shape.length  # noqa: E741
-    rod, ball = math.pi * r**2 * l, 4.0 / 3.0 * math.pi * r**3
-    across = rod * r**2 / 2 + ball * 0.4 * r**2
-    along = rod * (r**2 / 4 + l**2 / 12) + ball * (0.4 * r**2 + l**2 / 4 + 3.0 / 8.0 * r * l)
-    size = f"{r!r} {l / 2!r}"
-    return _Solid({"type": "capsule", "size": size}, np.array([along, along, across]) / (rod + ball), rod + ball)
+    rod = l / (l + 4.0 / 3.0 * r)
+    ends = 1.0 - rod
+    across = rod * r**2 / 2 + ends * 0.4 * r**2
+    along = rod * (r**2 / 4 + l**2 / 12) + ends * (0.4 * r**2 + l**2 / 4 + 3.0 / 8.0 * r * l)
+    return _Solid({"type": "capsule", "size": f"{r!r} {l / 2!r}"}, np.array([along, along, across]))
 
 
 def _ellipsoid(shape: Ellipsoid) -> _Solid:
     squares = np.square(shape.semi_axes)
-    size = " ".join(map(repr, shape.semi_axes))
-    volume = 4.0 / 3.0 * math.pi * math.prod(shape.semi_axes)
-    return _Solid({"type": "ellipsoid", "size": size}, (squares.sum() - squares) / 5, volume)
+    return _Solid({"type": "ellipsoid", "size": " ".join(map(repr, shape.semi_axes))}, (squares.sum() - squares) / 5)
 
 
 BODIES: dict[type[ShapeDescription], Callable[[Any], _Solid]] = {
@@ -88,12 +79,11 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     """
     parts = shape.parts if isinstance(shape, Compound) else (Part(shape=shape),)
     solids = [(_solid(name, part.shape), part.pose.matrix) for part in parts]
-    shares = np.array([solid.volume for solid, _ in solids])
-    shares /= shares.sum()
-    center, inertia = shares @ np.array([T[:3, 3] for _, T in solids]), np.zeros((3, 3))
-    for share, (solid, T) in zip(shares, solids, strict=True):
+    center, inertia = np.array(shape.centroid), np.zeros((3, 3))
+    for part, (solid, T) in zip(parts, solids, strict=True):
         R, arm = T[:3, :3], T[:3, 3] - center
-        inertia += share * ((R * solid.inertia) @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm))
+        turned = (R * solid.inertia) @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm)
+        inertia += turned if len(parts) == 1 else part.shape.volume / shape.volume * turned
     return ObjectBody(tuple(solid.geom | placed(T) for solid, T in solids), inertia)
 
 
@@ -109,15 +99,14 @@ def placed(T: Array) -> dict[str, str]:
     return {"pos": numbers(T[:3, 3]), "xyaxes": numbers([*T[:3, 0], *T[:3, 1]])}
 
 
-def required_mass(body: Object, task: Task) -> float:
+def required_mass(scene: Scene, task: Task) -> float:
     """Return the mass of the object, kg.
 
     Raises:
-        TaskError: the object has no mass and the task no force that would tell.
+        TaskError: the object has no mass, and the task no force, or the scene no gravity, that would tell.
     """
-    mass = mass_of(body, task)
+    mass = scene.mass_of(task)
     if mass is None:
-        raise TaskError(
-            "is not given, and the task has no external force that would tell", key=f"objects.{task.object}.mass"
-        )
+        problem = "is not given, and the task has no external force, or the scene no gravity, that would tell"
+        raise TaskError(problem, file=scene.source, key=f"objects.{task.object}.mass", remedy="Give it in kg")
     return mass

@@ -1,112 +1,75 @@
-"""A first robot file: what a URDF says of arm, hand, pads and wrist."""
+"""A first robot file, and what it says."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.composition import Composition
-from ..descriptions.urdf import RobotUrdf, attachment_joint
-from ..kinematics.collision_elements import link_elements
-from ..kinematics.tree import UrdfTree
-from ..progress import Progress, Report, no_report
-from .chain import Chain, find_chain
-from .facets import Facet, facets_of
-from .facing import facing_pair, usual_limits
-from .link_meshes import link_meshes
-
-ALONG = math.cos(math.radians(30.0))
-"""A wrist's z axis is at most this far off the direction to the pads."""
-TOOL_FRAMES = ("end_effector", "tool0", "ee_link", "eef", "flange")
-"""Parts of names that tool frames have; the first one in this order is taken."""
+from ..frozen import Record
+from .findings import in_words, number_of
+from .parts import Parts
 
 
-@dataclass(frozen=True)
-class Draft:
-    """Parts of a robot file that could be found."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Draft(Record):
+    """A first robot file as text, and what it says; from `new_robot_file`."""
 
-    composition: Composition
-    """The URDFs, and how they are put together."""
-    tree: UrdfTree
-    """Links and joints of the whole."""
-    chain: Chain
-    """Joints of the arm and of the hand, by name, as `arm` and `hand`."""
-    pads: tuple[Facet, Facet] | None
-    """Flat faces of the fingers, each of a `link`, that close on each other; None: there are no such two."""
+    not_in_json = ("text",)
+    also_in_json = ("checks",)
+
+    text: str
+    """YAML of the robot file. Lines with CHECK hold what a URDF does not say."""
+    arm: tuple[str, ...]
+    """Names of the arm's joints, from the base outwards."""
+    hand: tuple[str, ...]
+    """Names of the hand's joints that others may follow, but which follow none: one synergy each."""
+    followers: Mapping[str, tuple[str, ...]]
+    """Names of the joints that follow each of these."""
     wrist: str
     """Name of the wrist link."""
-    towards: bool
-    """Whether the wrist's z axis points to the pads."""
+    pads: tuple[str, ...]
+    """Names of the two links whose flat faces close on each other; empty: there are no such two, write pads by hand."""
+    pad_sizes: Array
+    """Edges of these faces, m, shape (2, 2), or (0, 2) without pads."""
+
+    @property
+    def checks(self) -> dict[int, str]:
+        """Lines of the text with CHECK, by their number."""
+        numbered = list(enumerate(self.text.splitlines(), 1))[1:]  # the first says what CHECK means
+        return {number: line.strip() for number, line in numbered if "CHECK" in line}
+
+    def summary(self) -> list[str]:
+        """Return lines that say what was found, pads in mm."""
+        followers = sum(map(len, self.followers.values()))
+        followed = f", followed by {number_of(followers, 'joint')}" if followers else ""
+        lines = [
+            f"arm: {number_of(len(self.arm), 'joint')}, {self.arm[0]} .. {self.arm[-1]}; wrist {self.wrist}",
+            f"hand: {in_words(list(self.hand))}{followed}",
+        ]
+        if not self.pads:
+            return [*lines, "pads: no two flat faces of the fingers close on each other; write them by hand"]
+        sizes = zip(self.pads, 1e3 * self.pad_sizes, strict=True)
+        size = " and ".join(f"{u:.1f} x {v:.1f} mm of {link}" for link, (u, v) in sizes)
+        return [*lines, f"pads: flat faces that close on each other, {size}"]
 
 
-def draft(composition: Composition, urdf: RobotUrdf, tip: str | None, report: Report = no_report) -> Draft:
-    """Find out what can be known without asking.
+def draft_of(parts: Parts, text: str) -> Draft:
+    """Return the draft of a robot file.
 
     Args:
-        composition: what is attached last is the hand, if anything is.
-        urdf: as composed.
-        tip: a link of the body that carries the hand, where there are several.
-        report: called before the flat faces of every link of the hand are searched.
-
-    Raises:
-        InputError: a mesh cannot be read, or arm and hand cannot be told apart.
+        parts: what was found.
+        text: of the robot file, made of them.
     """
-    file = composition.urdf_file
-    tree = UrdfTree(urdf, file)
-    hand = None
-    if composition.attach:
-        hand, tip = _last_attached(tree, composition), composition.attach[-1].to
-    chain = find_chain(tree, file, tip, hand)
-    moved = {tree.body(joint.child) for joint in tree.carried(chain.palm) if (joint.leader or joint.name) in chain.hand}
-    meshes = {link: mesh for link, mesh in link_meshes(link_elements(urdf, file)).items() if tree.body(link) in moved}
-    facets: list[Facet] = []
-    for done, (link, mesh) in enumerate(meshes.items()):
-        report(Progress("flat faces of links", done, len(meshes)))
-        facets += facets_of(link, mesh)
-    pads = facing_pair(facets, tree, chain.palm, chain.hand)
-    to = composition.attach[-1].to if composition.attach else None
-    wrist, towards = _wrist(tree, chain, pads, to)
-    return Draft(composition, tree, chain, pads, wrist, towards)
-
-
-def _last_attached(tree: UrdfTree, composition: Composition) -> frozenset[str]:
-    """Return the movable joints of what is attached last."""
-    root = tree.joints[attachment_joint(len(composition.attach) - 1)].child
-    links = {root, *tree.outwards(root)}
-    return frozenset(joint.name for joint in tree.movable if joint.parent in links)
-
-
-def _wrist(tree: UrdfTree, chain: Chain, pads: Sequence[Facet] | None, to: str | None) -> tuple[str, bool]:
-    """Return a link of the palm whose z axis points to the pads (without pads, to the fingers), and whether it does.
-
-    Best is what a hand of its own is mounted on, then what is called like a tool frame, then what carries the fingers.
-    """
-    links = tree.body_links(chain.palm)
-    poses = tree.poses({})
-    if pads is None:
-        places = [poses[joint.child][:3, 3] for joint in tree.carried(chain.palm)]
-    else:
-        places = [(poses[pad.link] @ [*pad.origin, 1.0])[:3] for pad in pads]
-    target: Array = np.mean(places, axis=0)
-    carriers = [joint.parent for joint in tree.branches(chain.palm)]
-    tools = [link for part in TOOL_FRAMES for link in links if part in link]
-    wanted = [*([] if to is None else [to]), *tools, *carriers, *links]
-    fitting = [link for link in wanted if _points_to(poses[link], target)]
-    return (fitting[0], True) if fitting else (carriers[0], False)
-
-
-def _points_to(T: Array, target: Array) -> bool:
-    towards = target - T[:3, 3]
-    return bool(towards @ T[:3, 2] > ALONG * np.linalg.norm(towards) and np.linalg.norm(towards) > 0.01)
-
-
-def guessed_limits(found: Draft) -> dict[str, tuple[float, float]]:
-    """Return limits to begin with for joints that need some and have none."""
-    names = (*found.chain.arm, *found.chain.hand)
-    limits: dict[str, Any] = {name: usual_limits(found.tree.joints[name]) for name in names}
-    return {name: interval for name, interval in limits.items() if interval is not None}
+    pads, hand = parts.pads or (), parts.chain.hand
+    return Draft(
+        text=text,
+        arm=parts.chain.arm,
+        hand=hand,
+        followers={joint: tuple(parts.tree.followers(joint)) for joint in hand},
+        wrist=parts.wrist,
+        pads=tuple(pad.link for pad in pads),
+        pad_sizes=np.array([pad.sides for pad in pads]).reshape(-1, 2),
+    )

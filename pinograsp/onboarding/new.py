@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..arrays import Numbers
 from ..descriptions.composition import Attachment, Composition
 from ..descriptions.pose import ZERO
 from ..descriptions.urdf import RobotUrdf, attached, read_urdf
-from ..descriptions.values import Vector3
 from ..errors import InputError, require_report
 from ..kinematics.tree import UrdfTree
 from ..progress import Report, no_report
 from .addresses import address_of, find_urdf, needed_packages
 from .chain import last_link
-from .draft import Draft, draft
-from .findings import in_words, number_of
+from .draft import Draft, draft_of
+from .parts import parts_of
 from .robot_file import robot_file, srdf_beside
 
 
@@ -30,9 +30,9 @@ class HandMount:
     """Link of the arm; its last one if not given."""
     root: str | None = None
     """Link of the hand's URDF with which the hand begins."""
-    position: Vector3 = ZERO
+    position: Numbers = ZERO
     """Of its root on that link, m."""
-    rpy: Vector3 = ZERO
+    rpy: Numbers = ZERO
     """Roll, pitch and yaw of its root on that link, rad."""
     prefix: str = ""
     """Put before every name of its links and joints."""
@@ -46,8 +46,8 @@ def new_robot_file(
     tip: str | None = None,
     packages: Sequence[str | Path] = (),
     progress: Report = no_report,
-) -> tuple[str, Draft]:
-    """Return the text of a first robot file, and what it says; nothing is written.
+) -> Draft:
+    """Return the draft of a first robot file; nothing is written.
 
     Args:
         urdf: path or `package://` address of the robot's URDF, or the arm's.
@@ -77,10 +77,10 @@ def new_robot_file(
         to = last_link(UrdfTree(composed, file), file) if hand.to is None else hand.to
         composition = _with_hand(composition, hand, to, address_of(files[1], output))
         composed = _attached(composed, composition)
-    found = draft(composition, composed, tip, progress)
+    found = parts_of(composition, composed, tip, progress)
     srdf = srdf_beside(files[0])
     name = output.resolve().parent.name
-    return robot_file(found, name, None if srdf is None else address_of(srdf, output)), found
+    return draft_of(found, robot_file(found, name, None if srdf is None else address_of(srdf, output)))
 
 
 def _attached(arm: RobotUrdf, composition: Composition) -> RobotUrdf:
@@ -97,21 +97,3 @@ def _attached(arm: RobotUrdf, composition: Composition) -> RobotUrdf:
 def _with_hand(arm: Composition, hand: HandMount, to: str, address: str) -> Composition:
     part = Attachment(urdf=address, root=hand.root, to=to, prefix=hand.prefix, position=hand.position, rpy=hand.rpy)
     return arm.model_copy(update={"attach": (part,)})
-
-
-def summary_lines(found: Draft) -> list[str]:
-    """Return lines that say what was found."""
-    arm, hand = found.chain.arm, found.chain.hand
-    lines = [f"arm: {number_of(len(arm), 'joint')}, {arm[0]} .. {arm[-1]}; wrist {found.wrist}"]
-    followers = sum(len(found.tree.followers(joint)) for joint in hand)
-    lines.append(
-        f"hand: {in_words(list(hand))}" + (f", followed by {number_of(followers, 'joint')}" if followers else "")
-    )
-    if found.pads is None:
-        lines.append("pads: no two flat faces of the fingers close on each other; write them by hand")
-    else:
-        size = " and ".join(
-            f"{1e3 * pad.sides[0]:.1f} x {1e3 * pad.sides[1]:.1f} mm of {pad.link}" for pad in found.pads
-        )
-        lines.append(f"pads: flat faces that close on each other, {size}")
-    return lines

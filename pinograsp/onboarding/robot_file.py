@@ -1,4 +1,4 @@
-"""A draft as the text of a robot file. What nobody can know from a URDF is marked with CHECK."""
+"""Parts that were found as the text of a robot file. What nobody can know from a URDF is marked with CHECK."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..descriptions.composition import Attachment
-from .draft import Draft, guessed_limits
 from .facets import Facet
 from .findings import in_words, number_of
+from .parts import Parts, guessed_limits
 
 INSET = 0.001
 """Of a pad from the edges of its face, so that a contact never sits on the rim, m."""
@@ -31,7 +31,7 @@ pads: []
 """
 
 
-def robot_file(found: Draft, name: str, srdf: str | None) -> str:
+def robot_file(found: Parts, name: str, srdf: str | None) -> str:
     """Return the text.
 
     Args:
@@ -45,7 +45,7 @@ def robot_file(found: Draft, name: str, srdf: str | None) -> str:
     return "\n\n".join("\n".join(block) for block in blocks) + "\n"
 
 
-def _head(found: Draft, name: str, srdf: str | None) -> list[str]:
+def _head(found: Parts, name: str, srdf: str | None) -> list[str]:
     composition = found.composition
     lines = ["# Written by `pinograsp robot new`. Lines with CHECK hold what a URDF does not say."]
     lines += ["format: 1", f"name: {name}", f"urdf: {composition.urdf}"]
@@ -70,7 +70,7 @@ def _attached(part: Attachment) -> list[str]:
     return lines
 
 
-def _arm(found: Draft) -> list[str]:
+def _arm(found: Parts) -> list[str]:
     chain, limits = found.chain, guessed_limits(found)
     off = "" if found.towards else "    # CHECK: its z axis should point to the pads, it does not"
     lines = ["arm:", f"  joints: [{', '.join(chain.arm)}]", f"  wrist: {found.wrist}{off}"]
@@ -84,7 +84,7 @@ def _arm(found: Draft) -> list[str]:
     return lines
 
 
-def _hand(found: Draft) -> list[str]:
+def _hand(found: Parts) -> list[str]:
     lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
     if len(found.chain.hand) > MANY:
         lines.append(
@@ -99,7 +99,7 @@ def _hand(found: Draft) -> list[str]:
     return lines
 
 
-def _pads(found: Draft) -> list[str]:
+def _pads(found: Parts) -> list[str]:
     if found.pads is None:
         return PADS_BY_HAND.splitlines()
     lines = ["# Flat faces that close on each other, less 1 mm at each edge so that a contact never sits on the rim."]
@@ -109,7 +109,7 @@ def _pads(found: Draft) -> list[str]:
     return [*lines, "pads:", *(line for pad, name in zip(found.pads, names, strict=True) for line in _pad(pad, name))]
 
 
-def _fingers(found: Draft) -> int:
+def _fingers(found: Parts) -> int:
     """Return the number of links at the ends of branches of the hand that move on their own."""
     hand = found.chain.hand
     starts = [joint for joint in found.tree.branches(found.chain.palm) if (joint.leader or joint.name) in hand]
@@ -133,7 +133,7 @@ def _pad(facet: Facet, name: str) -> list[str]:
     ]
 
 
-def _stiffness(found: Draft) -> list[str]:
+def _stiffness(found: Parts) -> list[str]:
     sliding = any(found.tree.joints[name].kind == "prismatic" for name in found.chain.hand)
     joint, unit = ("10000.0", "N / m") if sliding else ("100.0", "N m / rad")
     return [

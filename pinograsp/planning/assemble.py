@@ -21,8 +21,10 @@ def claim_of(state: State) -> Claim:
 
 
 def cost_of(state: State) -> Cost:
-    """Return the cost index (10) in the paper's unit."""
-    phi_mm2 = 1e6 * float(((state.contacts.points - state.desired) ** 2).sum())
+    """Return the cost index (10) in the paper's unit; Phi is zero in a task that desires no contacts."""
+    phi_mm2 = 0.0
+    if state.model.task.desired_contacts is not None:
+        phi_mm2 = 1e6 * float(((state.contacts.points - state.desired) ** 2).sum())
     V = state.forces.V
     return Cost(phi_mm2 + state.model.task.force_weight * V, phi_mm2, V)
 
@@ -60,7 +62,7 @@ def grasp_of(start: int | None, state: State, claim: Claim, certificate: Certifi
                 normal=normals[i],
                 force=claim.forces[i],
                 spin_torque=float(claim.spin_torques[i]),
-                desired_point=state.desired[i],
+                desired_point=None if state.model.task.desired_contacts is None else state.desired[i],
                 T_world_pad=T_world_pads[i],
             )
             for i, pad in enumerate(robot.description.pads)

@@ -2,3 +2,5 @@
 
 DEFAULT_STARTS = 1304
 """Number of starts: the paper's."""
+PROPOSED = 24
+"""Pairs of contacts that are proposed to starts where a task desires none."""

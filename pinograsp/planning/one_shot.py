@@ -1,4 +1,4 @@
-"""One plan, from a robot file and a scene file to verified grasps; one check of a configuration."""
+"""One plan, from robot file and scene file to verified grasps; one check of a configuration; one list of contacts."""
 
 from __future__ import annotations
 
@@ -7,14 +7,23 @@ from pathlib import Path
 
 from ..database.store import Database
 from ..descriptions import Scene
+from ..descriptions.pose import ZERO
+from ..descriptions.task import ContactConstants, Task, Wrench
+from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..kinematics.robot import Robot
+from ..problem.proposals import ContactPair
 from ..progress import Report, no_report
 from ..results import Result
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.options import SolverOptions
-from .defaults import DEFAULT_STARTS
+from .defaults import DEFAULT_STARTS, PROPOSED
 from .own_configuration import Configuration
 from .session import Planner
+
+PLAIN = "contacts"
+"""Name of a task about an object and nothing else."""
+FRICTION = 0.5
+"""Of the contacts on an object that no task is about."""
 
 
 def plan(
@@ -84,3 +93,48 @@ def check(robot: Robot, scene: Scene, task: str, joints: Configuration) -> Confi
     """
     with Planner(robot, scene) as planner:
         return planner.check(task, joints)
+
+
+def contacts(
+    robot: Robot,
+    scene: Scene,
+    *,
+    task: str | None = None,
+    object: str | None = None,
+    seed: int = 0,
+    most: int = PROPOSED,
+    progress: Report = no_report,
+) -> tuple[ContactPair, ...]:
+    """Return pairs of opposite points of an object that the hand can hold where the object stands.
+
+    A task that leaves out `desired_contacts` proposes them to its starts. `Planner.contacts` is quicker for who asks
+    again and again.
+
+    Args:
+        robot: from `load_robot`; it is mounted where the scene says.
+        scene: from `load_scene`.
+        task: name of a task of the scene: its pads, regions, margins and approach directions count.
+        object: in place of a task, the name of an object: all pads, its whole surface, the default margins.
+        seed: of the points that are drawn on the surface.
+        most: number of pairs.
+        progress: called while convex pieces of the robot's meshes are made, once on a machine.
+
+    Returns:
+        The first pair is near the centre of mass, each further one as far as possible from those before it.
+
+    Raises:
+        InputError: not one of task and object is given, it does not exist or makes no sense in the scene, the hand has
+            not two pads, or no pair suits; the message says why.
+    """
+    require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
+    if (task is None) == (object is None):
+        raise InputError("one of both is wanted", key="task, object", remedy="Give a task, or an object")
+    if object is not None:
+        if object not in scene.objects:
+            remedy = close_names(object, scene.objects)
+            problem = f"no object {object!r} in this scene"
+            raise UnknownNameError(problem, file=scene.source, key="objects", remedy=remedy)
+        plain = Task(object=object, wrench=Wrench(force=ZERO), contact=ContactConstants(friction=FRICTION))
+        task, scene = PLAIN, scene.with_task(PLAIN, plain)
+    with Planner(robot, scene, workers=1, progress=progress) as planner:
+        return planner.contacts(str(task), seed=seed, most=most)

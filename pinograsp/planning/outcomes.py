@@ -10,6 +10,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from ..database.store import Database, identity_of
 from ..descriptions.robot_files import Hashes
 from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
@@ -18,6 +19,8 @@ from ..solve.local import Outcome
 from ..units import in_si
 from ..verification.resistance import Q_FORCE
 from .attempt import Attempt
+
+EMPTY = "the database is empty: the arm keeps its margins from walls, obstacles and itself nowhere"
 
 
 @dataclass
@@ -52,12 +55,11 @@ class Run:
         best = {"best U": self.best_U} if self.verified else {}
         return Progress("starts", len(self.attempts), total, {"verified": self.verified, **best})
 
-    def count_starts(self, found: int, rows: int, radius: float) -> None:
-        """Warn where fewer starts were found than asked for.
+    def count_starts(self, found: int, radius: float) -> None:
+        """Warn where fewer starts were found in the database than asked for.
 
         Args:
             found: number of them.
-            rows: of the database where they were looked for.
             radius: of the region around the object where they were looked for, m.
         """
         if found == self.starts:
@@ -65,9 +67,24 @@ class Run:
         few = f"only {found} of {self.starts} starts were found" if found else "no start was found"
         reason = f"the database has no {'more ' if found else ''}configuration that suits the task and has the wrist "
         reason += f"within {radius:g} m (start_radius) of the object"
-        if not rows:
-            reason = "the database is empty: the arm keeps its margins from walls, obstacles and itself nowhere"
+        if not self.facts["database"]["rows"]:
+            reason = EMPTY
         self.warnings += (f"{few}: {reason}",)
+
+    def count_tried(self, deadline: float | None) -> None:
+        """Warn where no start was tried.
+
+        Args:
+            deadline: after which none began, s.
+        """
+        if self.attempts:
+            return
+        if self.starts:
+            reason = f"the preparations took {self.times['prepare']:.1f} s, the deadline is {deadline:g} s"
+            self.warnings += (f"no start was tried: {reason}",)
+        else:
+            reason = "the database has no configuration that suits the task"
+            self.warnings += (f"no start was found: {reason if self.facts['database']['rows'] else EMPTY}",)
 
     def distinct(self) -> tuple[Grasp, ...]:
         """Return the grasps that were found, near-identical ones as one."""
@@ -94,6 +111,11 @@ class Run:
             times=self.times | _times(attempts),
             provenance=provenance(self.setup.robot, self.setup.scene, self.files) | self.facts,
         )
+
+
+def facts_of(database: Database) -> dict[str, Any]:
+    """Return the database that starts come from, for the provenance."""
+    return {"file": str(database.file), "rows": database.rows(), "identity": identity_of(database).digest}
 
 
 def _refuted(attempt: Attempt) -> bool:

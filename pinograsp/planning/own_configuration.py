@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Array, real_array
+from ..arrays import Array, Numbers, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
+from ..kinematics.contacts import contact_kinematics
+from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
-from ..problem import GraspProblem, State, TaskModel
+from ..problem import DesiredPoints, GraspProblem, State, TaskModel
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.projection import nearest_assignment
@@ -19,10 +21,13 @@ from .assemble import claim_of, grasp_of
 
 STEPS = 20
 TOWARDS_DESIRED = 1e-3
-"""Weight of the desired points, which decide where a contact is that could be anywhere along a line."""
+"""Weight of the desired points, which decide where a contact is that could be anywhere along a line.
+
+If the task has none, it is as near to the middle of its pad as it can.
+"""
 
 
-Configuration = Mapping[str, float] | Sequence[float] | Array
+Configuration = Mapping[str, float] | Numbers
 """Values by the names of arm joints and synergies, or in their order, rad (m)."""
 
 
@@ -90,11 +95,12 @@ def _synergies(robot: Robot, joints: Mapping[str, float]) -> dict[str, float]:
 
 def _touching(model: TaskModel, posture: Array) -> State:
     """Return the state of a posture with contacts where pads and object are nearest to touching."""
-    problem = GraspProblem(model, tuple(range(len(model.desired_points))))
     # The whole pads: whether contacts keep a reserve from the rims is for the check to say.
     size, (low, high) = model.robot.posture_size, model.robot.parameter_limits.T
     x = np.concatenate([posture, 0.5 * (low + high)])
-    problem = GraspProblem(model, nearest_assignment(model, problem.state(x)))
+    desired = _below_the_middles(model, x) if model.task.desired_contacts is None else None
+    problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
+    problem = GraspProblem(model, nearest_assignment(model, problem.state(x), desired), desired=desired)
     for _ in range(STEPS):
         residual = problem.projection_residual(x, TOWARDS_DESIRED, 0.0)
         J = residual.jacobian[:, size:]
@@ -105,3 +111,11 @@ def _touching(model: TaskModel, posture: Array) -> State:
         if done:
             break
     return problem.state(x)
+
+
+def _below_the_middles(model: TaskModel, x: Array) -> DesiredPoints:
+    """Return the points of the object that are nearest to contacts at x, shape (v,)."""
+    robot, size = model.robot, model.robot.posture_size
+    points = contact_kinematics(forward(robot, robot.model.createData(), x[:size]), x[size:]).points
+    distances, normals, _ = model.object_surface(points)
+    return DesiredPoints(points - distances[:, None] * normals, np.zeros_like(points))

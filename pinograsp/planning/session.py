@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Self
 
-from ..arrays import Array
+import numpy as np
+
+from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..database.cache import cached_database
@@ -25,6 +28,7 @@ from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
+from ..problem.proposals import Candidate, ContactPair, Proposals
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -32,11 +36,21 @@ from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.start_index import HeldHand, StartIndex
 from ..solve.starts import starts_near
-from .attempt import attempt, attempts_of, lost_attempt, require_consistent, verifier_of
+from .attempt import (
+    Attempt,
+    Item,
+    attempt,
+    attempts_of,
+    items_of,
+    lost_attempt,
+    opened,
+    require_consistent,
+    verifier_of,
+)
 from .bound import least_U
-from .defaults import DEFAULT_STARTS
+from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
-from .outcomes import Run
+from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
 
 NEAREST = 400
@@ -45,6 +59,27 @@ QUICK = 30
 """Evaluations that it spends on a start at most: where one fails, the next start is better than a second try."""
 AT_THE_BOUND = 1e-3
 """A U within this part of its lower bound cannot be bettered by more than that."""
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Where a search for single grasps ends."""
+
+    most: int | None
+    """Number of grasps."""
+    end: float
+    """On the clock `time.perf_counter`, s."""
+
+    @classmethod
+    def of(cls, most: int | None, deadline: float | None) -> _Limits:
+        """Return limits from now on.
+
+        Raises:
+            InputError: a number is out of range.
+        """
+        most = None if most is None else whole_number("most", most, 1)
+        seconds = math.inf if deadline is None else real_number("deadline", deadline, 0.0)
+        return cls(most, time.perf_counter() + seconds)
 
 
 class Planner:
@@ -96,6 +131,7 @@ class Planner:
         self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
+        self._proposed: dict[tuple[str, int], Proposals] = {}
 
     @property
     def robot(self) -> Robot:
@@ -141,26 +177,24 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        setup, odd = Setup(self._robot.description, self._scene, task), tuple(check_task(model))
-        run = Run(setup, self._robot.files, starts, odd)
+        model, odd = self._checked(task)
+        candidates = self._candidates(model, seed)
+        run = Run(self._setup(task), self._robot.files, starts, odd)
         run.facts = {"seed": seed, "options": self._options.to_json()}
-        self._evaluate_once(model)
+        self._evaluate_once(model, candidates)
         run.times["prepare"] = time.perf_counter() - began
         try:
             self._workers.begin()
             database = self._database(model.task.margin)
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
-            identity = identity_of(database).digest
-            rows = database.rows()
-            run.facts["database"] = {"file": str(database.file), "rows": rows, "identity": identity}
-            run.count_starts(len(postures), rows, model.task.start_radius)
+            run.facts["database"] = facts_of(database)
+            run.count_starts(len(postures), model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
-            with closing(self._workers.run(prepare, list(enumerate(postures)), lost=lost_attempt)) as running:
+            items = items_of(model, postures, candidates)
+            with closing(self._workers.run(prepare, items, lost=lost_attempt)) as running:
                 for done in running:
                     run.add(done)
                     self._report(run.progress(len(postures)))
@@ -186,34 +220,44 @@ class Planner:
         Raises:
             InputError: as `plan`; at the first call of `next`.
         """
-        if most is not None:
-            whole_number("most", most, 1)
-        if deadline is not None:
-            real_number("deadline", deadline, 0.0)
-        began = time.perf_counter()
-        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
-        model = self._model(task)
-        check_task(model)
-        if task not in self._hands:  # neither depends on where objects stand
-            self._evaluate_once(model)
-            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        postures = self._index(model).starts(model, self._hands[task], NEAREST)
-        quick = replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
-        solver, verifier = LocalSolver(model, quick), verifier_of(model)
-        setup = Setup(self._robot.description, self._scene, task)
-        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[task], 0
-        for index, posture in enumerate(postures):
-            if deadline is not None and time.perf_counter() - began > deadline:
-                return
-            grasp = attempt(solver, verifier, index, posture).grasp
-            if grasp is None:
-                continue
-            found += 1
-            yield replace(graded(grasp, verifier), setup=setup)
-            if found == most or bound >= grasp.cost.U:
-                return
+        limits = _Limits.of(most, deadline)
+        model, _ = self._checked(task)
+        for done in self._tried(model, self._nearest(model), limits):
+            if done.grasp is not None:
+                yield done.grasp
 
-    def move(self, name: str, pose: Pose | Array) -> None:
+    def first(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Result:
+        """Return as a result what `grasps` yields, with what became of the starts without a grasp.
+
+        Near-identical grasps are one. Ctrl-C ends the search and returns what was found until then.
+
+        Args:
+            task: name of a task of the scene.
+            most: number of grasps, near-identical ones counted.
+            deadline: seconds from the call.
+
+        Raises:
+            InputError: as `plan`.
+        """
+        began, limits = time.perf_counter(), _Limits.of(most, deadline)
+        model, odd = self._checked(task)
+        run = Run(self._setup(task), self._robot.files, NEAREST, odd)
+        run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
+        try:
+            items = self._nearest(model)
+            run.facts["database"] = facts_of(self._database(model.task.margin))
+            run.starts = len(items)
+            run.times["prepare"] = time.perf_counter() - began
+            for done in self._tried(model, items, limits):
+                run.add(done)
+                self._report(run.progress(len(items)))
+            run.count_tried(deadline)
+        except KeyboardInterrupt:
+            run.interrupted = True
+        run.times["total"] = time.perf_counter() - began
+        return run.result(run.distinct())
+
+    def move(self, name: str, pose: Pose | Rows) -> None:
         """Put an object of the scene at another pose; nothing is rebuilt.
 
         Args:
@@ -242,6 +286,90 @@ class Planner:
         with compiling(self._report):
             return checked(model, verifier_of(model), joints)
 
+    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> tuple[ContactPair, ...]:
+        """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
+
+        A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
+        proposed. The first one is near the centre of mass, each further one as far as possible from those before it.
+
+        Args:
+            task: name of a task of the scene.
+            seed: of the points that are drawn on the surface.
+            most: number of pairs.
+
+        Raises:
+            InputError: there is no such task, it does not make sense in this scene, the hand has not two pads, or no
+                pair suits; the message says why.
+        """
+        seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
+        model, _ = self._checked(task)
+        return tuple(candidate.pair for candidate in self._proposals(model, seed).here(model, most))
+
+    def _checked(self, task: str) -> tuple[TaskModel, tuple[str, ...]]:
+        """Return the model of a task, and what is odd about it.
+
+        Raises:
+            InputError: the task does not exist, or makes no sense for this robot and scene.
+        """
+        check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
+        model = self._model(task)
+        return model, tuple(check_task(model))
+
+    def _setup(self, task: str) -> Setup:
+        return Setup(self._robot.description, self._scene, task)
+
+    def _candidates(self, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
+        """Return the pairs that are proposed to the starts of a task; none if it desires some points."""
+        if model.task.desired_contacts is not None:
+            return ()
+        return self._proposals(model, seed).here(model, PROPOSED)
+
+    def _proposals(self, model: TaskModel, seed: int) -> Proposals:
+        key = model.task_name, seed
+        if key not in self._proposed:  # they do not depend on where objects stand
+            self._proposed[key] = Proposals(model, seed)
+        return self._proposed[key]
+
+    def _nearest(self, model: TaskModel) -> list[Item]:
+        """Return the starts whose hand is nearest to the object, the most promising first."""
+        task, candidates = model.task_name, self._candidates(model, 0)
+        if task not in self._hands:  # neither depends on where objects stand
+            self._evaluate_once(model, candidates)
+            self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
+        hand, index = self._hands[task], self._index(model)
+        if not candidates:
+            return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
+        pairs = [candidate.desired(model) for candidate in candidates]
+        points = np.array([pair.points for pair in pairs])
+        postures = index.starts(model, hand, points, NEAREST)
+        own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
+        return [
+            Item(number, opened(model, posture, candidates[k]), (pairs[k],))
+            for number, (posture, k) in enumerate(zip(postures, own, strict=True))
+        ]
+
+    def _tried(self, model: TaskModel, items: Sequence[Item], limits: _Limits) -> Iterator[Attempt]:
+        """Yield what becomes of one start after the other, within limits; grasps have all their figures."""
+        solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
+        setup = self._setup(model.task_name)
+        bound, found = (1.0 + AT_THE_BOUND) * self._bounds[model.task_name], 0
+        for item in items:
+            if time.perf_counter() > limits.end:
+                return
+            done = attempt(solver, verifier, item)
+            if done.grasp is None:
+                yield done
+                continue
+            found += 1
+            yield replace(done, grasp=replace(graded(done.grasp, verifier), setup=setup))
+            if found == limits.most or bound >= done.grasp.cost.U:
+                return
+
+    @property
+    def _quick(self) -> SolverOptions:
+        """How a start is solved where the next one is better than a second try."""
+        return replace(self._options, max_evaluations=min(QUICK, self._options.budget), tries=1)
+
     def _model(self, task: str) -> TaskModel:
         self._scene.task(task)  # refuses what is no name before it is looked up
         if task not in self._models:
@@ -250,10 +378,11 @@ class Planner:
             self._models[task] = TaskModel(self._robot, self._scene, task)
         return self._models[task]
 
-    def _evaluate_once(self, model: TaskModel) -> None:
+    def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
+        desired = candidates[0].desired(model) if candidates else None
         with compiling(self._report):
-            problem = GraspProblem(model, tuple(range(len(model.desired_points))))
+            problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))
 
     def _index(self, model: TaskModel) -> StartIndex:

@@ -11,6 +11,7 @@ from .constraint import Constraint, Inside, Residual, Violation
 from .constraints import CONSTRAINTS
 from .cost import Cost
 from .costs import COSTS
+from .desired import DesiredPoints
 from .problem import Evaluation, GraspProblem
 from .state import State
 from .task_model import TaskModel
@@ -20,6 +21,7 @@ __all__ = [
     "COSTS",
     "Constraint",
     "Cost",
+    "DesiredPoints",
     "Evaluation",
     "GraspProblem",
     "Inside",

@@ -8,11 +8,13 @@ import coal
 import numpy as np
 
 from ..collision.solids import distance_request, scene_body
-from ..collision.world import Body
 from ..descriptions import Scene, Task
+from ..descriptions.scene import Body
 from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
+from ..geometry.tessellation import refined
 from ..kinematics.hand_posture import widest_jaw
+from .mesh_findings import mesh_findings
 from .regions import check_region
 from .task_model import TaskModel
 
@@ -20,6 +22,8 @@ TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""
 OVERLAP = 1e-3
 """How deep an object may be in an obstacle or another object, m: poses are measured, and what stands touches."""
+APART = 0.004
+"""Longest edge of triangles at whose corners a mesh and another body are looked at for overlaps, m."""
 
 
 def check_placement(scene: Scene, task_name: str) -> None:
@@ -40,19 +44,20 @@ def check_task(model: TaskModel) -> list[str]:
     """Refuse a task that cannot be meant with its robot; return what is odd about it, in words.
 
     Raises:
-        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough, or no
-            contact can be made in the contact region.
+        TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough for them,
+            or no contact can be made in the contact region.
     """
     pads = len(model.robot.description.pads)
-    if len(model.desired_points) != pads:
+    if model.task.desired_contacts is not None and len(model.desired_points) != pads:
         raise TaskError(
             f"{len(model.desired_points)} desired contacts for a hand of {pads} pads",
             file=model.scene.source,
             key=f"tasks.{model.task_name}.desired_contacts",
             remedy="Give one for each pad",
         )
-    _jaw_wide_enough(model)
-    return check_region(model)
+    if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
+        _jaw_wide_enough(model)
+    return [*mesh_findings(model.scene, model.task), *check_region(model)]
 
 
 def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:
@@ -73,9 +78,9 @@ def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:
 def _object_apart(scene: Scene, task: Task) -> None:
     """Refuse an object that is in an obstacle or another object; of several the one that it is deepest in is named."""
     name, depths = task.object, dict[str, float]()
-    target = scene_body("target", name, scene.objects[name])
+    target = scene.objects[name]
     for other, body in scene.bodies_besides(task).items():
-        depths[other] = _depth(target, scene_body("obstacle", other, body))
+        depths[other] = _depth(target, body)
     other = max(depths, key=depths.__getitem__, default="")
     if other and depths[other] > OVERLAP:
         kind = "object" if other in scene.objects else "obstacle"
@@ -89,19 +94,29 @@ def _object_apart(scene: Scene, task: Task) -> None:
 
 def _depth(first: Body, second: Body) -> float:
     """Return how far one body must be moved to be clear of the other, m; negative: their distance."""
+    if any(surface_of(body.shape).uneven for body in (first, second)):
+        return max(_points_inside(first, second), _points_inside(second, first))
     request = distance_request()
     distances = []
-    for one, two in product(first.solids, second.solids):
-        poses = [
-            coal.Transform3s(T[:3, :3], T[:3, 3]) for T in (first.pose @ one.placement, second.pose @ two.placement)
-        ]
-        distances.append(coal.distance(one.shape, poses[0], two.shape, poses[1], request, coal.DistanceResult()))
+    one, two = scene_body("target", "", first), scene_body("obstacle", "", second)
+    for a, b in product(one.solids, two.solids):
+        poses = [coal.Transform3s(T[:3, :3], T[:3, 3]) for T in (one.pose @ a.placement, two.pose @ b.placement)]
+        distances.append(coal.distance(a.shape, poses[0], b.shape, poses[1], request, coal.DistanceResult()))
     return -float(min(distances))
+
+
+def _points_inside(first: Body, second: Body) -> float:
+    """Return how deep points on one body are in the other, m; negative: how far they are from it."""
+    points = refined(surface_of(first.shape).tessellation(), APART).vertices
+    T = np.linalg.inv(second.pose.matrix) @ first.pose.matrix
+    return -float(surface_of(second.shape).signed_distance(points @ T[:3, :3].T + T[:3, 3])[0].min())
 
 
 def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:
     task = scene.task(task_name)
-    distances, _, _ = surface.signed_distance(np.array(task.desired_contacts))
+    if task.desired_contacts is None:
+        return
+    distances = surface.exact_distances(np.array(task.desired_contacts))
     worst = int(np.abs(distances).argmax())
     if abs(distances[worst]) > TOLERANCE:
         side = "outside" if distances[worst] > 0 else "inside"

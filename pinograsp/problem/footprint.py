@@ -49,25 +49,25 @@ def rays(state: State, pad: int) -> list[Ray]:
     patch, face = state.model.robot.pads[pad].patch, state.contact_faces[pad]
     if isinstance(patch, PlanePatch | LinePatch):
         if isinstance(face, Ruling):
-            return _along(state, pad, face, _rectangle(patch))
-        return _to_corners(state, pad, face, _rectangle(patch)) if isinstance(face, Flat) else []
+            return _along(state, pad, face, rectangle(patch))
+        return _to_corners(state, pad, face, rectangle(patch)) if isinstance(face, Flat) else []
     return _of_line(state, pad, face, patch) if isinstance(patch, CylinderPatch) else []
 
 
-def _rectangle(patch: PlanePatch | LinePatch) -> Array:
+def rectangle(patch: PlanePatch | LinePatch) -> Array:
     """Return the ranges of a flat patch along x and y of its frame, m, shape (2, 2)."""
     across = patch.v if isinstance(patch, PlanePatch) else (-0.5 * patch.width, 0.5 * patch.width)
     return np.array([patch.u, across])
 
 
-def _frame(state: State, pad: int) -> tuple[Array, Array]:
+def frame(state: State, pad: int) -> tuple[Array, Array]:
     """Return rotation (3, 3) and origin (3,) of a patch frame in the world."""
     described, configuration = state.model.robot.pads[pad], state.configuration
     R, origin = configuration.rotations[described.joint], configuration.translations[described.joint]
     return R @ described.rotation, R @ described.translation + origin
 
 
-def _moves(state: State, pad: int, point: Array) -> Array:
+def moves(state: State, pad: int, point: Array) -> Array:
     """Return the velocity of a point of a pad per rate of x, shape (3, v)."""
     contacts = state.contacts
     at, linear, angular = contacts.points[pad], contacts.linear[pad], contacts.angular[pad]
@@ -89,7 +89,7 @@ def _velocities(point: Array, at: Array, linear: Array, angular: Array, B: Array
 def _along(state: State, pad: int, line: Ruling, rectangle: Array) -> list[Ray]:
     """Return the two rays along a straight line of the object, up to the rims of a flat pad."""
     contacts = state.contacts
-    R, origin = _frame(state, pad)
+    R, origin = frame(state, pad)
     c, d = contacts.points[pad], line.direction
     reaches, ends, d_ends = _crossings(
         R,
@@ -166,21 +166,21 @@ def _crossings(
 
 def _to_corners(state: State, pad: int, face: Flat, rectangle: Array) -> list[Ray]:
     """Return the rays to the corners of a flat pad that lies on a flat face."""
-    R, origin = _frame(state, pad)
+    R, origin = frame(state, pad)
     (left, right), (low, high) = rectangle
     local = np.array([[left, low, 0.0], [right, low, 0.0], [right, high, 0.0], [left, high, 0.0]])
     corners = local @ R.T + origin
     shared = clipped(Flat(corners, R[:, 2]), face)
     uncovered = face.room(corners).min(axis=1) < 0.0
     return [
-        Ray(corner, _moves(state, pad, corner), shared if beyond and len(shared) else None)
+        Ray(corner, moves(state, pad, corner), shared if beyond and len(shared) else None)
         for corner, beyond in zip(corners, uncovered, strict=True)
     ]
 
 
 def _of_line(state: State, pad: int, face: ContactFace, patch: CylinderPatch) -> list[Ray]:
     """Return the two rays along the straight line of a round pad, where the object has one along it or is flat."""
-    R, _ = _frame(state, pad)
+    R, _ = frame(state, pad)
     d, c = R[:, 0], state.contacts.points[pad]
     if isinstance(face, Ruling):
         if float(np.linalg.norm(np.cross(face.direction, d))) > PARALLEL:
@@ -196,7 +196,7 @@ def _of_line(state: State, pad: int, face: ContactFace, patch: CylinderPatch) ->
     u, found = float(state.x[size + first]), []
     for limit, edge in zip(patch.u, covered, strict=True):
         t = limit - u
-        d_end = _moves(state, pad, c + t * d)
+        d_end = moves(state, pad, c + t * d)
         d_end[:, size + first + 1] = state.contacts.d_points[pad][:, size + first + 1]
         found.append(Ray(c + t * d, d_end, None if abs(t) <= abs(edge) else (c + edge * d)[None]))
     return found

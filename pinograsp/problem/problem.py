@@ -17,6 +17,7 @@ from .constraint import Constraint, Descents, Kind, Projected, Residual, Violati
 from .constraints import CONSTRAINTS
 from .cost import Cost
 from .costs import COSTS
+from .desired import DesiredPoints
 from .state import State
 from .task_model import TaskModel
 
@@ -59,6 +60,7 @@ class GraspProblem:
         assignment: desired point of every pad.
         constraints: makers of the constraints, in the order of their rows.
         costs: makers of the costs.
+        desired: points that are proposed; None: those that the task desires.
     """
 
     def __init__(
@@ -67,9 +69,12 @@ class GraspProblem:
         assignment: tuple[int, ...],
         constraints: Sequence[Callable[[TaskModel], Constraint | None]] = CONSTRAINTS,
         costs: Sequence[Callable[[TaskModel], Cost | None]] = COSTS,
+        desired: DesiredPoints | None = None,
     ) -> None:
         self.model = model
         self.assignment = assignment
+        wanted = desired or DesiredPoints(model.desired_points, model.desired_normals)
+        self._desired = DesiredPoints(wanted.points[list(assignment)], wanted.normals[list(assignment)])
         self.constraints = _made(constraints, model)
         self.costs = _made(costs, model)
         self._equalities, self._inequalities = self._of("equality"), self._of("inequality")
@@ -94,7 +99,7 @@ class GraspProblem:
 
     def state(self, x: Array) -> State:
         """Return the state at x."""
-        return State(self.model, self._data, x, self.assignment)
+        return State(self.model, self._data, x, self._desired)
 
     def evaluate(self, x: Array) -> Evaluation:
         """Return cost and constraints with gradients at x."""

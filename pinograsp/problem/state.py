@@ -5,8 +5,11 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from ..arrays import Array
 from ..collision.distances import Distances
+from ..collision.object_points import ObjectPoints
 from ..geometry.contact_faces import ContactFace
 from ..kinematics.contacts import ContactKinematics, contact_kinematics, jacobian_derivatives
 from ..kinematics.forward import Configuration, forward
@@ -19,35 +22,50 @@ from ..mechanics import (
     grasp_statics,
     solve_forces,
 )
+from .desired import DesiredPoints
 from .task_model import TaskModel
 
 
 class State:
-    """A point x = (q_a, sigma, q_c) of a task, with pad i serving desired point assignment[i]."""
+    """A point x = (q_a, sigma, q_c) of a task.
 
-    def __init__(self, model: TaskModel, data: Any, x: Array, assignment: tuple[int, ...]) -> None:
+    Args:
+        model: the task.
+        data: a Pinocchio Data of its robot's model, used as scratch space.
+        x: the point, shape (v,).
+        desired: where the contact of each pad is wanted.
+    """
+
+    def __init__(self, model: TaskModel, data: Any, x: Array, desired: DesiredPoints) -> None:
         self.model = model
         self.x = x
-        self._desired = model.desired_points[list(assignment)]
-        self._desired_normals = model.desired_normals[list(assignment)]
+        self._desired = desired
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
+        self._to_object: dict[ObjectPoints, Distances] = {}
         self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:])
 
     @property
     def desired(self) -> Array:
         """Desired point of every pad, world, m, shape (n, 3)."""
-        return self._desired
+        return self._desired.points
 
     @property
     def desired_normals(self) -> Array:
-        """Outward normal of the flat face that the desired point of every pad is on; zero if it is curved, (n, 3)."""
-        return self._desired_normals
+        """Outward normal of the surface that every pad is to look at; zero if any will do, shape (n, 3)."""
+        return self._desired.normals
 
     @cached_property
     def surface(self) -> tuple[Array, Array, Array]:
         """Signed distance, outward normal and Hessian of the object at the contact points."""
         return self.model.object_surface(self.contacts.points)
+
+    @cached_property
+    def footprint(self) -> tuple[Array, Array]:
+        """Outward normals of the object at the contact points as pads feel it, (n, 3), and derivatives, (n, 3, 3)."""
+        if not self.model.surface.uneven:
+            return self.surface[1:]
+        return self.model.footprint(self.contacts.points)
 
     @cached_property
     def contact_faces(self) -> tuple[ContactFace, ...]:
@@ -64,16 +82,30 @@ class State:
         """Signed distances of the pairs of bodies."""
         return self.model.collisions.distances(self.configuration)
 
+    def to_object(self, points: ObjectPoints) -> Distances:
+        """Return the distances of sets of points to an uneven object; measured once."""
+        if points not in self._to_object:
+            self._to_object[points] = self.model.to_object(points, self.configuration)
+        return self._to_object[points]
+
     @cached_property
     def grasp(self) -> Contacts:
-        """The contacts as the statics see them."""
-        return Contacts(self.contacts.points, self.contacts.normals, self.contacts.jacobians)
+        """The contacts as the statics see them.
+
+        Forces are about the pads' normals, which a smooth surface shares at a grasp, and about those of an uneven one.
+        """
+        uneven = self.model.surface.uneven
+        normals = -self.footprint[0] if uneven else self.contacts.normals
+        return Contacts(self.contacts.points, normals, self.contacts.jacobians)
 
     @cached_property
     def grasp_derivatives(self) -> ContactDerivatives:
         """Derivatives of `grasp` in x."""
         jacobians = jacobian_derivatives(self.model.robot, self.contacts)
-        return ContactDerivatives(self.contacts.d_points, self.contacts.d_normals, jacobians)
+        d_points, d_normals = self.contacts.d_points, self.contacts.d_normals
+        if self.model.surface.uneven:
+            d_normals = -np.matmul(self.footprint[1], d_points)
+        return ContactDerivatives(d_points, d_normals, jacobians)
 
     @cached_property
     def statics(self) -> Statics:
@@ -83,7 +115,7 @@ class State:
     @cached_property
     def forces(self) -> ForceSolution:
         """Best contact forces (8)."""
-        return solve_forces(self.statics, self.contacts.normals, self.model.contact_models, self.model.limits)
+        return solve_forces(self.statics, self.grasp.normals, self.model.contact_models, self.model.limits)
 
     @cached_property
     def force_gradient(self) -> Array:

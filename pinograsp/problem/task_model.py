@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array, Indices
-from ..collision.distances import CollisionModel
+from ..collision.distances import CollisionModel, Distances
+from ..collision.object_points import ObjectPoints
 from ..collision.scene_world import task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import Scene, Task, robot_for
@@ -15,8 +16,10 @@ from ..descriptions.hand import PadDescription, SoftFinger
 from ..geometry.contact_faces import ContactFace, Flat, placed
 from ..geometry.regions import membership
 from ..geometry.shapes import surface_of
+from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
+from .desired import DesiredPoints
 from .preferences import approach_cone, parameter_limits, posture_bounds
 
 
@@ -32,7 +35,7 @@ class TaskModel:
         self.parameter_limits = parameter_limits(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         self.surface = surface_of(scene.objects[self.task.object].shape)
-        region = self.task.contact_region
+        region = scene.region_of(self.task)
         self.region = None if region is None else membership(region)
         self._place_object()
         stiffness = robot.description.stiffness
@@ -49,13 +52,11 @@ class TaskModel:
     def _place_object(self) -> None:
         target = self.scene.objects[self.task.object]
         self.T_world_object = target.pose.matrix
-        desired = np.array(self.task.desired_contacts)
-        self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
-        faces = [self.contact_face(point) for point in self.desired_points]
-        self.desired_normals = np.array([f.normal if isinstance(f, Flat) else np.zeros(3) for f in faces])
-        """Outward normals of the flat faces that the desired points are on; zero on curved parts, shape (n, 3)."""
+        self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
+        """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        self.load = Load(target.center_of_mass_world, self.task.wrench.vector, self.surface.radius)
+        wrench = self.scene.wrench_of(self.task)
+        self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.
@@ -68,15 +69,33 @@ class TaskModel:
         model.__dict__.update(self.__dict__)
         model.scene = scene
         role: Role = "target" if name == self.task.object else "obstacle"
-        model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
+        if role == "obstacle" or not self.surface.uneven:
+            model.collisions = self.collisions.moved(BodyKey(role, name), scene.objects[name].pose.matrix)
         model._place_object()
         return model
+
+    def desired(self, points: Array) -> DesiredPoints:
+        """Return points of the surface, in the object's frame, m, shape (n, 3), as places where contact is wanted."""
+        points = points.reshape(-1, 3) @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        faces = [self.contact_face(point) for point in points]
+        normals = [face.normal if isinstance(face, Flat) else np.zeros(3) for face in faces]
+        return DesiredPoints(points, np.array(normals).reshape(-1, 3))
 
     def object_surface(self, points: Array) -> tuple[Array, Array, Array]:
         """Return signed distance, outward normal and Hessian at world points; shapes (n,), (n, 3), (n, 3, 3)."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
         distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
         return distances, normals @ R.T, R @ hessians @ R.T
+
+    def footprint(self, points: Array) -> tuple[Array, Array]:
+        """Return the outward normals that a pad feels at world points, and derivatives; shapes (n, 3), (n, 3, 3)."""
+        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
+        normals, derivatives = self.surface.footprint((points - origin) @ R)
+        return normals @ R.T, R @ derivatives @ R.T
+
+    def to_object(self, points: ObjectPoints, configuration: Configuration) -> Distances:
+        """Return the distances of sets of points to the object, which is uneven."""
+        return points.distances(configuration, self.surface, self.T_world_object)
 
     def touched_parts(self, points: Array) -> Indices:
         """Return the part of the object that each world point is nearest to; 0 but of a compound."""

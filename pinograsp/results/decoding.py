@@ -194,14 +194,19 @@ def _vector(numbers: Any) -> Array:
     return _array(numbers, 3)
 
 
+def _vector_or_none(numbers: Any) -> Array | None:
+    return None if numbers is None else _vector(numbers)
+
+
 def _transform(numbers: Any) -> Array:
     return _array(numbers, 4, 4)
 
 
 def _contact(data: Any) -> Contact:
-    vectors = {key: _part(data, key, _vector) for key in ("point", "normal", "force", "desired_point")}
+    vectors = {key: _part(data, key, _vector) for key in ("point", "normal", "force")}
     spin_torque, T = _part(data, "spin_torque", _real), _part(data, "T_world_pad", _transform)
-    return _made(Contact, data, **vectors, spin_torque=spin_torque, T_world_pad=T)
+    desired = _part(data, "desired_point", _vector_or_none)
+    return _made(Contact, data, **vectors, desired_point=desired, spin_torque=spin_torque, T_world_pad=T)
 
 
 def _certificate(data: Any) -> Certificate:

@@ -22,7 +22,7 @@ class Cost(Record):
     U: float
     """The cost index, in the paper's unit: mm^2, with k in mm^2."""
     phi_mm2: float
-    """Sum of the squared distances of contact points from their desired points, mm^2."""
+    """Sum of the squared distances of contact points from their desired points, mm^2; 0 in a task that desires none."""
     V: float
     """Cost of the contact forces (A7); no unit."""
 
@@ -43,8 +43,8 @@ class Contact(Record):
     """Force on the object, world, N, shape (3,)."""
     spin_torque: float
     """Torque on the object about the pad's outward normal, N m; zero for a hard finger."""
-    desired_point: Array
-    """The desired contact point that this pad serves, world, m, shape (3,)."""
+    desired_point: Array | None
+    """The desired contact point that this pad serves, world, m, shape (3,); None in a task that desires none."""
     T_world_pad: Array
     """Pose of the pad's patch frame, world, m, shape (4, 4): with the keys of the robot file, its origin is the patch's
     `origin`, its x axis `x_axis` and its z axis `normal`, outward from the finger."""

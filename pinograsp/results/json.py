@@ -11,7 +11,7 @@ from pathlib import Path
 from ..disk import as_path, json_of, json_text, write_whole
 from ..errors import FileError, InputError, require_kind
 from .decoding import decode
-from .encoding import FORMAT_VERSION, encode
+from .encoding import FORMAT_VERSION, encode, encode_as
 from .result import Result
 
 
@@ -54,7 +54,7 @@ def read_json(file: Path | str) -> Result:
     try:
         result = decode(data)
         # What follows from other numbers and is not kept, as whether a figure holds, counts too.
-        return dataclasses.replace(result, altered=encode(result) != data)
+        return dataclasses.replace(result, altered=encode_as(result, data) != data)
     except InputError as error:
         raise FileError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError):

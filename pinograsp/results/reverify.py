@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from ..progress import Progress, Report, no_report
 from ..verification import Certificate
 from ..verification.check import Verifier
 from ..verification.resistance import is_graded
-from .grasp import Cost, Grasp
+from .grasp import Contact, Cost, Grasp
 from .provenance import file_hashes
 from .ranking import default_order
 from .result import WITHSTAND, Result
@@ -127,8 +127,9 @@ def _recomputed(grasp: Grasp, setup: Setup, verifier: Verifier) -> Grasp:
     task, contacts = setup.scene.task(setup.task), grasp.contacts
     claim = grasp.claim
     certificate, derived = _certificate(grasp, verifier), verifier.derive(claim)
-    desired = _desired_points(setup, np.array([contact.desired_point for contact in contacts]))
-    phi_mm2 = 1e6 * float(((claim.points - desired) ** 2).sum())
+    desired = _desired_points(setup, contacts)
+    offsets = [p - d for p, d in zip(claim.points, desired, strict=True) if d is not None]
+    phi_mm2 = 1e6 * float((np.array(offsets) ** 2).sum())
     pads = robot_for(setup.robot, setup.scene, setup.task).pads
     return replace(
         grasp,
@@ -152,18 +153,24 @@ def _certificate(grasp: Grasp, verifier: Verifier) -> Certificate:
     return verifier.certify(grasp.claim) if is_graded(grasp.certificate) else verifier.check(grasp.claim)
 
 
-def _desired_points(setup: Setup, stated: Array) -> Array:
-    """Return the desired points of the task that the stated ones are nearest to, each once; world, m, shape (n, 3)."""
+def _desired_points(setup: Setup, contacts: Sequence[Contact]) -> list[Array | None]:
+    """Return the desired points of the task that the stated ones are nearest to, each once; world, m, shapes (3,).
+
+    In a task that desires none, each is None.
+    """
     task = setup.scene.task(setup.task)
+    if task.desired_contacts is None:
+        return [None] * len(contacts)
     T = setup.scene.objects[task.object].pose.matrix
     remaining = [T[:3, :3] @ point + T[:3, 3] for point in np.array(task.desired_contacts)]
-    if len(remaining) != len(stated):
-        raise InputError(f"the task has {len(remaining)} desired contacts, the grasp {len(stated)} contacts")
-    found = []
-    for point in stated:
-        nearest = int(np.argmin([np.linalg.norm(point - other) for other in remaining]))
+    if len(remaining) != len(contacts):
+        raise InputError(f"the task has {len(remaining)} desired contacts, the grasp {len(contacts)} contacts")
+    found: list[Array | None] = []
+    for contact in contacts:
+        stated = contact.point if contact.desired_point is None else contact.desired_point
+        nearest = int(np.argmin([np.linalg.norm(stated - other) for other in remaining]))
         found.append(remaining.pop(nearest))
-    return np.array(found)
+    return found
 
 
 def _leaves(data: Any, key: str = "") -> Iterator[tuple[str, Any]]:

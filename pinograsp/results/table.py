@@ -125,16 +125,22 @@ def outcome_lines(result: Result) -> list[str]:
     """Return what became of the starts, in words."""
     share = f" ({100 * result.verified / result.done:.1f} %)" if result.done else ""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in result.counts.items() if count)
-    lines = [f"{result.verified} of {result.done} starts verified{share}; solver: {outcomes or 'no start'}"]
+    lines = [f"{result.verified} of {_starts(result.done)} verified{share}; solver: {outcomes or 'no start'}"]
+    if result.setup.scene.task(result.task).desired_contacts is None:
+        lines.append("no contacts desired: each start was led to pairs that were proposed to it; Phi is 0, U is k V")
     if result.interrupted and result.done < result.starts:
-        lines.append(f"{result.starts - result.done} of {result.starts} starts not tried: interrupted")
+        lines.append(f"{result.starts - result.done} of {_starts(result.starts)} not tried: interrupted")
     elif result.interrupted:
         lines.append("interrupted: the resistance of some grasps is not known")
     if result.refuted:
-        lines.append(f"{result.refuted} starts feasible for the solver, refuted by the independent check")
+        lines.append(f"{_starts(result.refuted)} feasible for the solver, refuted by the independent check")
     for kind, blocked in sorted(result.blocked.items(), key=lambda item: -item[1].starts):
         scale, unit = shown_in(blocked.unit)
         miss = f"{scale * blocked.nearest_miss:.3g} {unit}".strip()
         where = f" ({blocked.where})" if blocked.where else ""
-        lines.append(f"blocked by {kind}: {blocked.starts} starts, nearest miss {miss}{where}")
+        lines.append(f"blocked by {kind}: {_starts(blocked.starts)}, nearest miss {miss}{where}")
     return lines
+
+
+def _starts(count: int) -> str:
+    return "1 start" if count == 1 else f"{count} starts"

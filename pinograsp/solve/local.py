@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import Literal
@@ -10,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Array
-from ..problem import GraspProblem, State, TaskModel, Violation
+from ..problem import DesiredPoints, GraspProblem, State, TaskModel, Violation
 from .backends import Limits, Stop, backend_of
 from .options import SolverOptions
 from .polish import polished
@@ -56,29 +58,35 @@ class LocalSolver:
         self._model = model
         self._options = options
         self._backend = backend_of(options.algorithm)
-        self._problems: dict[tuple[int, ...], GraspProblem] = {}
+        self._problems: dict[tuple[tuple[int, ...], bytes], GraspProblem] = {}
 
-    def problem(self, assignment: tuple[int, ...]) -> GraspProblem:
-        """Return the problem in which pad i serves desired point assignment[i]."""
-        if assignment not in self._problems:
-            self._problems[assignment] = GraspProblem(self._model, assignment)
-        return self._problems[assignment]
+    def problem(self, assignment: tuple[int, ...], desired: DesiredPoints | None = None) -> GraspProblem:
+        """Return the problem in which pad i serves desired point assignment[i].
 
-    def solve(self, index: int, start: Array) -> Solution:
+        Args:
+            assignment: desired point of every pad.
+            desired: points that are proposed; None: those that the task desires.
+        """
+        key = assignment, b"" if desired is None else desired.points.tobytes()
+        if key not in self._problems:
+            self._problems[key] = GraspProblem(self._model, assignment, desired=desired)
+        return self._problems[key]
+
+    def solve(self, index: int, start: Array, proposed: Sequence[DesiredPoints] = ()) -> Solution:
         """Solve from one start.
 
         Args:
             index: number of the start.
             start: posture (q_a, sigma), shape (l + s,).
+            proposed: points that are proposed to it, one after the other: where those before lead nowhere; none: it
+                has those that the task desires.
         """
         began = time.perf_counter()
-        problem = self.problem(tuple(range(len(self._model.desired_points))))
-        centers = 0.5 * (problem.lower + problem.upper)[self._model.robot.posture_size :]
-        x = np.clip(np.concatenate([start, centers]), problem.lower, problem.upper)
-        assignment = nearest_assignment(self._model, problem.state(x))
-        problem = self.problem(assignment)
+        first = self.problem(tuple(range(len(self._model.robot.pads))), next(iter(proposed), None))
+        centers = 0.5 * (first.lower + first.upper)[self._model.robot.posture_size :]
+        x = np.clip(np.concatenate([start, centers]), first.lower, first.upper)
         runs = []
-        for guess in islice(initial_guesses(problem, x, self._options.projection), self._options.tries):
+        for problem, guess in islice(self._guesses(first.state(x), proposed or (None,)), self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
             stop = self._backend.solve(program_from(recorder, guess), limits(self._options))
             runs.append((recorder, stop))
@@ -87,6 +95,14 @@ class LocalSolver:
         count = sum(recorder.evaluations for recorder, _ in runs)
         recorder, stop = min(runs, key=lambda run: run[0].merit)
         return solution_of(index, x, recorder, stop, count, began)
+
+    def _guesses(self, start: State, desired: Sequence[DesiredPoints | None]) -> Iterator[tuple[GraspProblem, Array]]:
+        """Yield problems with points to solve from: the first guess for all desired points, then the second ones."""
+        assignments = [nearest_assignment(self._model, start, points) for points in desired]
+        problems = [self.problem(*pair) for pair in zip(assignments, desired, strict=True)]
+        ways = [initial_guesses(problem, start.x, self._options.projection) for problem in problems]
+        for turn in itertools.zip_longest(*(zip(itertools.repeat(p), w) for p, w in zip(problems, ways, strict=True))):
+            yield from (guess for guess in turn if guess is not None)
 
 
 def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:

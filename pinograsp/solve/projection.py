@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import Array
-from ..problem import GraspProblem, State, TaskModel
+from ..problem import DesiredPoints, GraspProblem, State, TaskModel
 from .options import Projection
 
 MAX_STEPS = 30
@@ -30,9 +30,16 @@ YIELDING = ((1.0, 0.3), (0.3, 1.0), (0.1, 1.0))
 """Weights of desired points and of clearances in the descents between the first and the last."""
 
 
-def nearest_assignment(model: TaskModel, start: State) -> tuple[int, ...]:
-    """Return which desired point each pad serves: the assignment of least total squared distance."""
-    square = ((start.contacts.points[:, None] - model.desired_points[None]) ** 2).sum(axis=2)
+def nearest_assignment(model: TaskModel, start: State, desired: DesiredPoints | None = None) -> tuple[int, ...]:
+    """Return which desired point each pad serves: the assignment of least total squared distance.
+
+    Args:
+        model: the task.
+        start: where the pads are.
+        desired: points that are proposed; None: those that the task desires.
+    """
+    points = model.desired_points if desired is None else desired.points
+    square = ((start.contacts.points[:, None] - points[None]) ** 2).sum(axis=2)
     pads = range(len(square))
     return min(itertools.permutations(range(square.shape[1])), key=lambda p: float(square[pads, p].sum()))
 

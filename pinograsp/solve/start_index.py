@@ -56,16 +56,16 @@ class HeldHand:
 
         Args:
             q: arm configurations, rad (m), shape (n, l).
-            points: in the world, m, shape (pads, 3).
+            points: in the world, m, shape (..., pads, 3).
 
         Returns:
-            Shape (n,).
+            Shape (..., n).
         """
         frames = self._batch.frames(q)
         pads = np.array([frames.place(group, point) for group, point in self._pads])
-        square = ((pads[:, None] - points[None, :, None]) ** 2).sum(axis=3)
+        square = ((pads[:, None] - points[..., None, :, None, :]) ** 2).sum(axis=-1)
         rows = range(len(pads))
-        sums = [square[rows, order].sum(axis=0) for order in itertools.permutations(rows)]
+        sums = [square[..., rows, order, :].sum(axis=-2) for order in itertools.permutations(rows)]
         return np.asarray(np.min(sums, axis=0))
 
 
@@ -89,7 +89,7 @@ class StartIndex:
         )
         self._tree = cKDTree(wrists + _reach(robot) * self._approaches)
 
-    def starts(self, model: TaskModel, hand: HeldHand, count: int) -> Array:
+    def starts(self, model: TaskModel, hand: HeldHand, wanted: Array, count: int) -> Array:
         """Return up to `count` postures (q_a, sigma), the most promising first, shape (found, l + s).
 
         Those that keep the task's cone of approach directions and its joint ranges come first, then those that miss
@@ -99,22 +99,23 @@ class StartIndex:
         Args:
             model: the task.
             hand: as it is held before a grasp of the task.
+            wanted: points where the pads may be wanted, world, m, shape (k, pads, 3): those that are nearest count.
             count: number of starts wanted.
         """
         if not len(self._q):
             return np.empty((0, model.robot.posture_size))
-        rows = self._near(model, max(count, LOOKED_AT))
+        rows = self._near(model, wanted.mean(axis=(0, 1)), max(count, LOOKED_AT))
         found = postures(model, self._q[rows], hand.synergies)
         missed = self._missed(model, found, self._approaches[rows])
         kept = np.where(missed > RANGE_SLACK, 2, np.where(missed > 0.0, 1, 0))
-        order = np.lexsort([hand.misses(found[:, : model.robot.arm_size], model.desired_points), kept])
+        order = np.lexsort([hand.misses(found[:, : model.robot.arm_size], wanted).min(axis=0), kept])
         return found[order[kept[order] < 2][:count]]
 
-    def _near(self, model: TaskModel, count: int) -> Indices:
-        """Return up to `count` rows whose grasp is near the object; of more of them those nearest to locked joints."""
+    def _near(self, model: TaskModel, place: Array, count: int) -> Indices:
+        """Return up to `count` rows whose grasp is near a place; of more of them those nearest to locked joints."""
         fixed = locked(model)
         more = count * LOCKED_SHARE if len(fixed) else count
-        _, rows = self._tree.query(model.desired_points.mean(axis=0), k=min(len(self._q), more))
+        _, rows = self._tree.query(place, k=min(len(self._q), more))
         rows = np.atleast_1d(rows)
         if not len(fixed):
             return rows

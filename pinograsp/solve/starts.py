@@ -50,9 +50,12 @@ def held(model: TaskModel) -> Array:
     """Return the synergies that hold the pads as the desired contacts lie to each other, rad (m), shape (s,).
 
     Those that the task locks, or gives a range, are within it. They depend on where the object stands only by rounding.
+    Of a task that desires no contacts the hand is in mid-range.
     """
-    inward, free = -model.object_surface(model.desired_points)[1], hand_free(model.collisions, model.robot)
     own = slice(model.robot.arm_size, None)
+    if model.task.desired_contacts is None:
+        return 0.5 * (model.lower + model.upper)[own]
+    inward, free = -model.object_surface(model.desired_points)[1], hand_free(model.collisions, model.robot)
     return np.clip(preshape(model.robot, model.desired_points, inward, free), model.lower[own], model.upper[own])
 
 

@@ -1,4 +1,4 @@
-"""Wrenches that a set of contacts balances: second-order cone programs on plain arrays.
+"""Wrenches that a set of contacts balances, on plain arrays.
 
 Point j of the footprint of contact i transmits a force f_j and, for a soft finger, a spin torque m_j about the pad's
 outward normal n. With f_n = n . f_j, f_t the rest of f_j, e the torsional friction radius and F_i the sum of the f_j of
@@ -19,8 +19,7 @@ sees of the right-hand side no forces balance, whatever their size: for two hard
 joins them. As no grasp is exact, a share of `SHARE` of a wrench is left alone there; beyond, the multiple is 0 and the
 margin -inf.
 
-Torques are divided by a length, the size of the object, so that all rows are in N. The programs of all directions are
-solved as one block-diagonal program: the maximum of the sum is the sum of the maxima.
+Torques are divided by a length, the size of the object, so that all rows are in N.
 """
 
 from __future__ import annotations
@@ -28,25 +27,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
-from typing import Any
+from functools import cached_property
 
-import clarabel
 import numpy as np
-from scipy import sparse
 
 from ..arrays import Array, Indices, Mask, cross
+from .cone_programs import Cones, maximised
 
 SHARE = 2e-3
 """Share of a wrench, torques over the length, that may stay unbalanced in a direction that no forces balance."""
 _RANK = 1e-7
 """Relative size below which a singular value of E counts as zero."""
-_TOLERANCE = 1e-9
 _NUDGES = (1e-7, -1e-7, 1e-6, -1e-6)
 """Changes of a wrench, in parts of it, that are tried where the solver gives up: on a few wrenches in a thousand."""
-_SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
-_UNBOUNDED = (clarabel.SolverStatus.DualInfeasible, clarabel.SolverStatus.AlmostDualInfeasible)
-_IMPOSSIBLE = (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible)
 
 
 @dataclass(frozen=True)
@@ -77,21 +70,6 @@ class ContactPoints:
     """Torque of the drive per newton of f_j along x, y, z and per newton metre of m_j, shape (p, 4)."""
 
 
-@cache
-def _settings(careful: bool) -> Any:
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    settings.presolve_enable = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _TOLERANCE
-    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = (
-        100 if careful else 10
-    ) * _TOLERANCE
-    # The rows are of one unit and size as they are: neither equilibration nor refinement changes much but the time.
-    settings.equilibrate_enable = settings.iterative_refinement_enable = careful
-    return settings
-
-
 class BalanceProblem:
     """The forces that contacts can exert on an object, and what they balance.
 
@@ -114,7 +92,7 @@ class BalanceProblem:
         # A hand whose drive the contacts do not feel squeezes with nothing: no row.
         drives, self._tau = ([columns.drives / size], [drive_torque / size]) if size > 0.0 else ([], [])
         self._equations = np.vstack([columns.forces.T, torques.T / length, *drives])
-        self._cones = _Cones.of(at, columns, limits)
+        self._cones = _cones(at, columns, limits)
 
     @cached_property
     def _ranges(self) -> tuple[Array, Array]:
@@ -142,7 +120,7 @@ class BalanceProblem:
         if going.any():
             E = self._ranges[0].T @ self._equations
             growth = np.column_stack([-along[going] @ self._ranges[0], np.zeros((going.sum(), len(self._cones.rows)))])
-            found[going] = _maximised(E, self._ranges[0].T @ load, self._cones, growth, positive=True)
+            found[going] = maximised(E, self._ranges[0].T @ load, self._cones, growth, positive=True)
         return found
 
     def margin(self, wrench: Array) -> float:
@@ -161,7 +139,7 @@ class BalanceProblem:
             return np.array([-math.inf])
         E = self._ranges[0].T @ self._equations
         left = np.concatenate([np.zeros(len(E)), self._cones.heads])[None]
-        return _maximised(E, self._ranges[0].T @ load, self._cones, left, positive=False)
+        return maximised(E, self._ranges[0].T @ load, self._cones, left, positive=False)
 
     def _sides(self, wrenches: Array, drive: float) -> Array:
         """Return right-hand sides of E x = b for wrenches, shape (..., 6); `drive` is 1 to squeeze, 0 for a change."""
@@ -206,43 +184,28 @@ class _Columns:
         return cls(point, kind, forces[point, kind], torques[point, kind], drives[point, kind])
 
 
-@dataclass(frozen=True)
-class _Cones:
-    """The inequalities as cones: C x + c lies in a product of half-lines and second-order cones."""
-
-    rows: Array
-    """C, shape (m, n): half-lines first."""
-    offsets: Array
-    """c, N, shape (m,)."""
-    heads: Mask
-    """Which rows have to be large: the half-lines and the first row of each second-order cone, shape (m,)."""
-    half_lines: int
-    sizes: tuple[int, ...]
-    """Rows of each second-order cone."""
-
-    @classmethod
-    def of(cls, at: ContactPoints, columns: _Columns, limits: Limits) -> _Cones:
-        count, contacts = len(at.points), int(at.contact[-1]) + 1
-        of_contact = at.contact[columns.point]
-        presses = columns.kind == 0
-        pressing = (of_contact == np.arange(contacts)[:, None]) * presses
-        coulomb = np.diag(np.where(presses, limits.friction, 1.0))
-        sizes = np.bincount(columns.point, minlength=count)
-        least = -limits.least * np.ones(contacts)
-        rows, offsets = [pressing, coulomb], [least, np.zeros(len(presses))]
-        heads, limited = [np.ones(contacts, dtype=bool), presses], contacts if math.isfinite(limits.most) else 0
-        for contact in range(limited):
-            total = np.where(of_contact == contact, columns.forces.T, 0.0)
-            rows.append(np.vstack([np.zeros(len(presses)), total]))
-            offsets.append(np.array([limits.most, 0.0, 0.0, 0.0]))
-            heads.append(np.array([True, False, False, False]))
-        return cls(
-            np.concatenate(rows),
-            np.concatenate(offsets),
-            np.concatenate(heads),
-            contacts,
-            (*sizes.tolist(), *[4] * limited),
-        )
+def _cones(at: ContactPoints, columns: _Columns, limits: Limits) -> Cones:
+    count, contacts = len(at.points), int(at.contact[-1]) + 1
+    of_contact = at.contact[columns.point]
+    presses = columns.kind == 0
+    pressing = (of_contact == np.arange(contacts)[:, None]) * presses
+    coulomb = np.diag(np.where(presses, limits.friction, 1.0))
+    sizes = np.bincount(columns.point, minlength=count)
+    least = -limits.least * np.ones(contacts)
+    rows, offsets = [pressing, coulomb], [least, np.zeros(len(presses))]
+    heads, limited = [np.ones(contacts, dtype=bool), presses], contacts if math.isfinite(limits.most) else 0
+    for contact in range(limited):
+        total = np.where(of_contact == contact, columns.forces.T, 0.0)
+        rows.append(np.vstack([np.zeros(len(presses)), total]))
+        offsets.append(np.array([limits.most, 0.0, 0.0, 0.0]))
+        heads.append(np.array([True, False, False, False]))
+    return Cones(
+        np.concatenate(rows),
+        np.concatenate(offsets),
+        np.concatenate(heads),
+        contacts,
+        (*sizes.tolist(), *[4] * limited),
+    )
 
 
 def _first_found(solve: Callable[[float], Array]) -> Array:
@@ -259,104 +222,3 @@ def _first_found(solve: Callable[[float], Array]) -> Array:
             break
         found = np.where(np.isnan(found), solve(1.0 + nudge), found)
     return found
-
-
-def _maximised(E: Array, load: Array, cones: _Cones, growth: Array, *, positive: bool) -> Array:
-    """Return for each row of `growth` the largest a with E x + a g = load and C x + c - a h in the cones.
-
-    Infinite where nothing bounds it, not a number where the solver fails.
-
-    Args:
-        E: shape (r, n).
-        load: shape (r,).
-        cones: C, c and what they are.
-        growth: g and h of each program, shape (programs, r + m).
-        positive: whether a may not be negative.
-    """
-    programs, equations = len(growth), len(E)
-    more = int(positive)  # a row below E: -a <= 0
-    block = np.vstack([E, np.zeros((more, E.shape[1])), -cones.rows])
-    sides = np.concatenate([load, np.zeros(more), cones.offsets])
-    last = np.hstack([growth[:, :equations], np.full((programs, more), -1.0), growth[:, equations:]])
-    used = block != 0.0
-    pattern = _pattern(used.tobytes(), used.shape, equations, cones.half_lines + more, cones.sizes, programs)
-    A, b = pattern.filled(block.T[used.T], last, sides)
-    for careful in (False, True):
-        solver = clarabel.DefaultSolver(pattern.P, pattern.q, A, b, pattern.kinds, _settings(careful))
-        solution = solver.solve()
-        if solution.status in _UNBOUNDED:
-            break
-        if solution.status in _SOLVED:
-            found = np.asarray(solution.x)[pattern.q < 0.0]
-            return np.maximum(found, 0.0) if positive else found
-    if positive and solution.status in _IMPOSSIBLE:
-        return np.zeros(programs)
-    if programs > 1:  # one that is unbounded, or fails, says nothing of the others
-        each = [_maximised(E, load, cones, one[None], positive=positive) for one in growth]
-        return np.concatenate(each)
-    return np.array([math.inf if solution.status in _UNBOUNDED else math.nan])
-
-
-@dataclass(frozen=True)
-class _Pattern:
-    """Programs of one structure side by side, as Clarabel takes them: min q y with A y + s = b, s in the cones.
-
-    y is x and a of program after program; rows are all equations first, then all half-lines, then the second-order
-    cones of program after program.
-    """
-
-    P: Any
-    q: Array
-    kinds: list[Any]
-    indices: Indices
-    """Row of every number of A, column after column."""
-    starts: Indices
-    """First number of each column of A."""
-    place: Indices
-    """Row of A for every row of every program, shape (programs, rows)."""
-
-    def filled(self, block: Array, growth: Array, sides: Array) -> tuple[Any, Array]:
-        """Return A and b.
-
-        Args:
-            block: the numbers of a program's block without its last column, column after column.
-            growth: last column of each program, shape (programs, rows).
-            sides: right-hand side of a program, shape (rows,).
-        """
-        programs = len(self.place)
-        data = np.concatenate([np.broadcast_to(block, (programs, len(block))), growth], axis=1)
-        shape = (self.place.size, len(self.q))
-        b = np.empty(self.place.size)
-        b[self.place] = sides
-        return sparse.csc_matrix((data.ravel(), self.indices, self.starts), shape=shape), b
-
-
-@lru_cache(maxsize=64)
-def _pattern(
-    used: bytes, shape: tuple[int, int], equations: int, lines: int, sizes: tuple[int, ...], programs: int
-) -> _Pattern:
-    """Return the pattern of programs; most grasps of a task have the same one.
-
-    Args:
-        used: which numbers of a program's block without its last column are not zero.
-        shape: of that block.
-        equations: its first rows.
-        lines: half-lines, its next rows.
-        sizes: rows of each second-order cone, its last rows.
-        programs: their number.
-    """
-    (rows, n), full = shape, np.ones((shape[0], 1), dtype=bool)
-    block = np.hstack([np.frombuffer(used, dtype=bool).reshape(shape), full])
-    column, row = np.nonzero(block.T)
-    parts = np.array([equations, lines, rows - equations - lines])
-    begins = np.cumsum([0, *(parts * programs)])
-    kind = np.repeat(np.arange(3), parts)
-    within = np.concatenate([np.arange(part) for part in parts])
-    place = (begins[kind] + within) + np.arange(programs)[:, None] * parts[kind]
-    firsts = np.searchsorted(column, np.arange(n + 1)) + np.arange(programs)[:, None] * len(row)
-    q = np.zeros(programs * (n + 1))
-    q[n :: n + 1] = -1.0
-    kinds = [clarabel.ZeroConeT(equations * programs), clarabel.NonnegativeConeT(lines * programs)]
-    kinds += [clarabel.SecondOrderConeT(size) for size in sizes] * programs
-    starts = np.append(firsts, programs * len(row))
-    return _Pattern(sparse.csc_matrix((len(q), len(q))), q, kinds, place[:, row].ravel(), starts, place)

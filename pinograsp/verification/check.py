@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -25,8 +25,9 @@ from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
 from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
-from .resistance import Hold, drive_torques, hold_of, is_graded, mass_of, resistance_figures, with_resistance
+from .resistance import Hold, drive_torques, hold_of, is_graded, resistance_figures, with_resistance
 from .robot import read_robot
+from .rubber import pad_links, rubber_clearances, rubber_figure
 from .shapes import PlacedShape
 from .shapes.core import PENETRATION
 from .standing_out import standing_out
@@ -64,20 +65,23 @@ class Verifier:
         read = read_robot(description)
         self._robot = read
         self._task = scene.task(task_name)
+        self._contact_region = scene.region_of(self._task)
         self._pads = robot_for(description, scene, task_name).pads
         self._walls = scene.enclosure.walls
         self._kinematics = read.kinematics.mounted(scene.mounting.matrix)
         _require_ranges_known(scene, task_name, self._kinematics, read.synergies)
         self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
-        self._center_of_mass = body.center_of_mass_world
-        self._mass = mass_of(body, self._task)
+        self._wrench, self._mass = scene.wrench_of(self._task).vector, scene.mass_of(self._task)
         if self._task.withstand is not None and self._mass is None:
             key, remedy = f"tasks.{task_name}.withstand", f"Give `objects.{self._task.object}.mass` in kg"
             raise TaskError("an acceleration needs a mass", file=scene.source, key=key, remedy=remedy)
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
+        computed = self._target.centroid if body.center_of_mass is None else None
+        self._center_of_mass = body.center_of_mass_world if computed is None else computed
+        self._radius = self._target.radius_about(self._center_of_mass)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
         of_pads = {pad.link for pad in self._pads}
         beside = standing_out(read, tuple((pad.link, pad.patch) for pad in self._pads))
@@ -85,6 +89,7 @@ class Verifier:
         touching = [mesh for link, mesh in read.meshes.items() if link in of_pads]
         self._around_links = Surroundings((*others, *beside.values()), [self._target])
         self._around_pads = Surroundings(touching, [self._target])
+        self._rubber = pad_links(read, self._pads) if self._target.limits.yields else ()
         self._obstacles = Surroundings(read.moving, obstacles)
 
     def check(self, claim: Claim) -> Certificate:
@@ -112,8 +117,8 @@ class Verifier:
     def resistance(self, claim: Claim) -> tuple[Figure, ...]:
         """Compute how strongly the object may be accelerated, Q_force and Q_torque in m/s^2 (see `resistance`).
 
-        None of them if neither the object nor the task's force gives a mass. `certify` has them in every certificate,
-        `check` only if the task says what is to be withstood.
+        None of them if neither the object nor the weight of the task's force gives a mass. `certify` has them in every
+        certificate, `check` only if the task says what is to be withstood.
 
         Raises:
             InputError: a joint is missing, or there is not one contact a pad.
@@ -135,14 +140,20 @@ class Verifier:
         """
         self._require_complete(claim)
         poses = self._kinematics.poses(claim.joints)
-        return drive_torques(claim, Pads.at(self._pads, poses), self._pad_rates(poses))
+        normals = self._normals(claim.points, Pads.at(self._pads, poses))
+        return drive_torques(claim, normals, self._pad_rates(poses))
 
     def _hold(self, claim: Claim, poses: Poses) -> Hold:
         pads = Pads.at(self._pads, poses)
-        inward = np.array([self._target.inward(point) for point in claim.points])
-        areas = footprints(claim.points, inward, pads, self._target)
-        radius = self._target.radius_about(self._center_of_mass)
-        return hold_of(claim, pads, areas, self._pad_rates(poses), self._task, self._center_of_mass, radius)
+        normals = self._normals(claim.points, pads)
+        areas = footprints(claim.points, normals, pads, self._target)
+        return hold_of(
+            claim, pads, normals, areas, self._pad_rates(poses), self._task, self._center_of_mass, self._radius
+        )
+
+    def _normals(self, points: Array, pads: Pads) -> Array:
+        """Return the normals of the contacts, into the object, world, shape (contacts, 3)."""
+        return _known(np.array([self._target.inward(point) for point in points]), points, pads)
 
     def _pad_rates(self, poses: Poses) -> list[Array]:
         """Return, of each pad's link, the twist about the world's origin per unit of each synergy, (synergies, 6)."""
@@ -161,7 +172,7 @@ class Verifier:
             normals=-np.array([self._target.inward(point) for point in claim.points]),
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, pads.nearest(claim.points)[1], self._pads, self._task),
+            V=force_cost(claim, self._normals(claim.points, pads), self._pads, self._task),
             T_world_pads=pads.poses,
             joint_order=self._kinematics.joint_order,
         )
@@ -187,11 +198,16 @@ class Verifier:
             *wall_clearances(self._robot.moving, self._walls, poses),
             *shape_clearances("obstacle clearance", self._obstacles, placed),
             *shape_clearances("object clearance", self._around_links, placed),
-            *shape_clearances("pad clearance", self._around_pads, placed),
+            *self._pad_clearances(placed),
             *link_clearances("self clearance", self._enabled, placed),
             *link_clearances("self collision", self._never, placed),
         ]
         return tuple(sorted(found, key=lambda pair: pair.distance))
+
+    def _pad_clearances(self, placed: Placed) -> Iterable[PairClearance]:
+        if self._rubber:
+            return rubber_clearances(self._rubber, self._target, placed)
+        return shape_clearances("pad clearance", self._around_pads, placed)
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
@@ -242,30 +258,38 @@ class Verifier:
 
         What of a pad's link is flush with the pad or behind it counts as the pad.
         """
-        limits = {"object clearance": self._task.margin.object - 1e-6, "pad clearance": -PENETRATION}
-        pairs = zip(limits.items(), (self._around_links, self._around_pads), strict=True)
-        return [shape_figure(name, given, placed, limit) for (name, limit), given in pairs if given]
+        limit = self._task.margin.object - self._target.limits.margin
+        figures = [shape_figure("object clearance", self._around_links, placed, limit)] if self._around_links else []
+        if self._rubber:
+            return [*figures, rubber_figure(self._rubber, self._target, placed)]
+        if self._around_pads:
+            figures.append(shape_figure("pad clearance", self._around_pads, placed, -PENETRATION))
+        return figures
 
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
         pads = Pads.at(self._pads, poses)
         inward = np.array([self._target.inward(point) for point in claim.points])
-        radius = self._target.radius_about(self._center_of_mass)
+        normals = _known(inward, claim.points, pads)
         return [
             *contact_figures(claim.points, inward, pads, self._target),
-            *self._region(claim.points, inward, pads),
+            *self._region(claim.points, normals, pads),
             *rim_figures(claim.points, pads, self._target, self._task.reserve.rim),
-            *balance_figures(claim, pads.nearest(claim.points)[1], self._center_of_mass, radius, self._task),
+            *self._balance(claim, normals),
             *force_figures(claim, inward, self._pads, self._task),
         ]
 
-    def _region(self, points: Array, inward: Array, pads: Pads) -> list[Figure]:
-        region = self._task.contact_region
+    def _balance(self, claim: Claim, normals: Array) -> list[Figure]:
+        balanced = self._task.balance_wrench
+        return balance_figures(claim, normals, self._center_of_mass, self._radius, self._wrench, balanced=balanced)
+
+    def _region(self, points: Array, normals: Array, pads: Pads) -> list[Figure]:
+        region = self._contact_region
         if region is None:
             return []
         if self._task.contact_regions == "point":
             return [region_figure(points, region, pads, self._target)]
-        areas = footprints(points, inward, pads, self._target)
-        return [footprint_figure(areas, region, pads, self._target)]
+        areas = footprints(points, normals, pads, self._target)
+        return [footprint_figure(areas, pads.rubber(points), region, pads, self._target)]
 
     def _rest(self) -> Claim:
         """Return a claim of zeros, which has every figure."""
@@ -292,6 +316,15 @@ def hold(verifier: Verifier, claim: Claim) -> Hold:
     """
     verifier._require_complete(claim)
     return verifier._hold(claim, verifier._kinematics.poses(claim.joints))
+
+
+def _known(inward: Array, points: Array, pads: Pads) -> Array:
+    """Return inward normals, shape (contacts, 3); where the object has none, on its axis, that of the pad will do.
+
+    Such a contact is refuted anyway.
+    """
+    known = np.isfinite(inward).all(axis=1, keepdims=True)
+    return inward if known.all() else np.where(known, inward, pads.nearest(points)[1])
 
 
 def _description_of(robot: RobotDescription | Described) -> RobotDescription:

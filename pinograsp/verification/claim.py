@@ -20,4 +20,7 @@ class Claim(Record):
     forces: Array
     """Forces on the object in the world, N, shape (contacts, 3)."""
     spin_torques: Array
-    """Torques on the object about the pads' outward normals, N m, shape (contacts,); 0 for hard fingers."""
+    """Torques on the object about its inward normals at the points, N m, shape (contacts,); 0 for hard fingers.
+
+    Where pads are tangent these are the outward normals of the pads.
+    """

@@ -1,13 +1,14 @@
 """Distances of the robot to the walls, to bodies of the scene and to itself, mesh by mesh.
 
 Except for the walls, a clearance is measured up to 50 mm (or twice its limit, if that is more): a value of 0.05 says
-"at least 0.05 m". Pairs are measured in the order of a lower bound from bounding spheres, each only as far as it could
-still be the least; where the convex hulls are that far apart, the meshes are not looked at. A distance is exact while
-the bodies are apart; where they intersect and no exact depth is known it is -inf.
+"at least 0.05 m". Pairs are measured in the order of a lower bound, from bounding spheres first and then from convex
+hulls, each only as far as it could still be the least: of most pairs the meshes are not looked at. A distance is exact
+while the bodies are apart; where they intersect and no exact depth is known it is -inf.
 """
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -104,7 +105,9 @@ def shape_figure(name: str, around: Surroundings, placed: Placed, limit: float) 
     """Return the least signed distance between a mesh and a body, m."""
     cap = max(CAP, 2 * limit)
     pairs, bounds = around.near(placed, cap)
-    least, nearest = _least(bounds, cap, lambda i, most: part_distance(*pairs[i], placed, most))
+    least, nearest = _least(
+        bounds, cap, lambda i: _part_bound(*pairs[i], placed), lambda i, most: part_distance(*pairs[i], placed, most)
+    )
     where = "" if nearest is None else f"{pairs[nearest][0].link} / {pairs[nearest][1].name}"
     return Figure(name, least, limit, "m", "at least", where)
 
@@ -115,26 +118,35 @@ def self_figure(name: str, pairs: Sequence[LinkPair], placed: Placed, limit: flo
     second = np.array([placed.centers[mesh.link] for _, mesh in pairs]).reshape(-1, 3)
     bounds = np.linalg.norm(second - first, axis=1) - [a.radius + b.radius for a, b in pairs]
     cap = max(CAP, 2 * limit)
-    least, nearest = _least(bounds, cap, lambda i, most: mesh_distance(*pairs[i], placed, most))
+    least, nearest = _least(
+        bounds, cap, lambda i: _mesh_bound(*pairs[i], placed), lambda i, most: mesh_distance(*pairs[i], placed, most)
+    )
     where = "" if nearest is None else " / ".join(mesh.link for mesh in pairs[nearest])
     return Figure(name, least, limit, "m", "at least", where)
 
 
-def _least(bounds: Array, cap: float, measure: Callable[[int, float], float]) -> tuple[float, int | None]:
+def _least(
+    bounds: Array, cap: float, bound: Callable[[int], float], measure: Callable[[int, float], float]
+) -> tuple[float, int | None]:
     """Return the least of `measure(i, most)` below `cap`, and its i.
 
     Args:
         bounds: lower bounds of the values, shape (pairs,).
         cap: returned if every value is above.
+        bound: a better lower bound of the value of pair i, which takes longer.
         measure: value of pair i; anything not below `most` if it is above `most`.
     """
     least, nearest = cap, None
-    for i in np.argsort(bounds):
-        if bounds[i] >= least:
-            break
-        value = measure(int(i), least)
+    queue = [(lower, False, i) for i, lower in enumerate(bounds.tolist()) if lower < cap]
+    heapq.heapify(queue)
+    while queue and queue[0][0] < least:
+        lower, better, i = heapq.heappop(queue)
+        if not better:
+            heapq.heappush(queue, (max(lower, bound(i)), True, i))
+            continue
+        value = measure(i, least)
         if value < least:
-            least, nearest = value, int(i)
+            least, nearest = value, i
     return least, nearest
 
 
@@ -144,11 +156,11 @@ def part_distance(mesh: LinkMesh, part: PlacedPart, placed: Placed, most: float)
     It is -inf where the mesh enters the innermost core of the part.
     """
     placement = placed.placements[mesh.link]
-    if most > 0.0 and _apart(
-        mesh.hull_solid, placement, part.cores[0].solid, part.placement, most + part.cores[0].inset
-    ):
+    if most > 0.0 and _part_bound(mesh, part, placed) >= most:
         return most
-    if mesh.surrounds(placed.to_link(mesh.link, part.center[None])):
+    if mesh.surrounds(placed.to_link(mesh.link, part.members)):
+        return -math.inf
+    if part.surrounds(placed.to_world(mesh.link, mesh.members)):
         return -math.inf
     for core in part.cores:
         # The bound stays above zero, which would read as an intersection.
@@ -166,9 +178,9 @@ def mesh_distance(first: LinkMesh, second: LinkMesh, placed: Placed, most: float
 
     It is -inf where they intersect or one surrounds the other.
     """
-    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
-    if most > 0.0 and _apart(first.hull_solid, T_first, second.hull_solid, T_second, most):
+    if most > 0.0 and _mesh_bound(first, second, placed) >= most:
         return most
+    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
     distance = _distance(first.solid, T_first, second.solid, T_second, most)
     if distance <= 0.0 or _one_in_other(first, second, placed) or _one_in_other(second, first, placed):
         return -math.inf
@@ -180,12 +192,22 @@ def _one_in_other(inner: LinkMesh, outer: LinkMesh, placed: Placed) -> bool:
     return outer.surrounds(placed.to_link(outer.link, points))
 
 
-def _apart(first: Any | None, T_first: Any, second: Any | None, T_second: Any, most: float) -> bool:
-    """Whether two convex bodies, where both are known, are at least `most` apart; a mesh is no nearer than its hull."""
+def _part_bound(mesh: LinkMesh, part: PlacedPart, placed: Placed) -> float:
+    """Return a lower bound of the distance of a mesh to a part, m: that of the hulls, -inf where one has none."""
+    return _hull_bound(mesh.hull_solid, placed.placements[mesh.link], part.hull.solid, part.placement) - part.hull.inset
+
+
+def _mesh_bound(first: LinkMesh, second: LinkMesh, placed: Placed) -> float:
+    """Return a lower bound of the distance of two meshes, m: that of their hulls, -inf where one has none."""
+    T_first, T_second = placed.placements[first.link], placed.placements[second.link]
+    return _hull_bound(first.hull_solid, T_first, second.hull_solid, T_second)
+
+
+def _hull_bound(first: Any | None, T_first: Any, second: Any | None, T_second: Any) -> float:
     if first is None or second is None:
-        return False
-    apart = coal.distance(first, T_first, second, T_second, _REQUEST, coal.DistanceResult())
-    return float(apart) >= most + _HULL_ERROR
+        return -math.inf
+    apart = float(coal.distance(first, T_first, second, T_second, _REQUEST, coal.DistanceResult()))
+    return apart - _HULL_ERROR if apart > 0.0 else -math.inf
 
 
 def _distance(first: Any, T_first: Any, second: Any, T_second: Any, most: float) -> float:

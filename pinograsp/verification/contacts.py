@@ -12,18 +12,18 @@ from ..arrays import Array
 from ..descriptions.hand import PadDescription
 from ..descriptions.regions import Region
 from .certificate import Figure
-from .footprint import footprint
 from .kinematics import Poses
+from .outlines import Rubber, half_sides, rubber_at
 from .patches import contact_face, nearest_on_patch, rim_distance
-from .region_depth import least_depth
 from .regions import depth
 from .shapes import PlacedShape
-from .shapes.core import PENETRATION
 
 REGION_TOLERANCE = 1e-9
 """How far a contact point may be outside its region, m."""
 FOOTPRINT_TOLERANCE = 1e-6
 """How far a footprint may reach outside its region, m."""
+TILT_TOLERANCE = math.radians(0.5)
+"""Beyond what the rubber of a pad allows, rad."""
 RIM_TOLERANCE = 2e-6
 """How far a contact point may be beyond the rim of its pad, m."""
 EDGE_TOLERANCE = 2e-5
@@ -71,6 +71,25 @@ class Pads:
         local = zip(self.pads, self.to_pads(points), self.rotations, self.origins, strict=True)
         return [contact_face(pad.patch, point) @ R.T + origin for pad, point, R, origin in local]
 
+    def rubber(self, points: Array) -> list[Rubber]:
+        """Return where the rubber of pad i touches what is tangent to it at world point i; world."""
+        local = zip(self.pads, self.to_pads(points), strict=True)
+        found = [rubber_at(pad.patch, point, pad.rubber_depth) for pad, point in local]
+        poses = zip(found, self.rotations, self.origins, strict=True)
+        # From the patch's frame into the world: the pose of the world in the patch's frame.
+        return [rubber.moved(R.T, -R.T @ origin) for rubber, R, origin in poses]
+
+    def tilts(self, points: Array, inward: Array) -> tuple[Array, Array]:
+        """Return the tilts of the pads about their two axes, and what their rubber allows, rad, shape (pads, 2) each.
+
+        With n the inward normal at world point i in the frame of pad i there, and a and b half its sides, rubber that
+        yields by d allows atan(d / a) along x and atan(d / b) along y, of atan(|n_x| / n_z) and atan(|n_y| / n_z).
+        """
+        local = zip(self.pads, self.to_pads(points), self.rotations, inward, strict=True)
+        normals = np.array([rubber_at(pad.patch, point, 0.0).rotation.T @ R.T @ n for pad, point, R, n in local])
+        allowed = [np.arctan2(pad.rubber_depth, half_sides(pad.patch)) for pad in self.pads]
+        return np.arctan2(np.abs(normals[:, :2]), normals[:, 2:]), np.array(allowed)
+
     def rims(self, points: Array) -> Array:
         """Return how far world point i is from the rim of pad i, along the pad, shape (pads,), m."""
         local = zip(self.pads, self.to_pads(points), strict=True)
@@ -97,40 +116,59 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
     """
     gaps = np.abs([target.distance(point) for point in points])
     off, normals = pads.nearest(points)
-    # Exact for small and large angles alike, which arccos is not.
-    tilts = 2 * np.arctan2(np.linalg.norm(normals - inward, axis=1), np.linalg.norm(normals + inward, axis=1))
     return [
-        _largest("contact gap", gaps, PENETRATION, "m", pads.names),
+        _largest("contact gap", gaps, target.limits.gap, "m", pads.names),
         _largest("contact on pad", off, 1e-6, "m", pads.names),
-        _largest("pad tangency", tilts, 2e-3, "rad", pads.names),
+        _tilt_in_cone(points, inward, pads) if target.limits.yields else _tilt(normals, inward, pads),
     ]
 
 
-def footprints(points: Array, inward: Array, pads: Pads, target: PlacedShape) -> list[Array]:
-    """Return the footprint of each contact, world, shape (k, 3) each, m; for the arguments see `contact_figures`."""
-    # Where the object has no normal, on its axis, the pad's will do: such a contact is refuted anyway.
-    normals = inward if np.isfinite(inward).all() else pads.nearest(points)[1]
-    faces = zip(pads.faces(points), points, normals, strict=True)
-    return [footprint(face, target.face(point), point, normal) for face, point, normal in faces]
+def _tilt(normals: Array, inward: Array, pads: Pads) -> Figure:
+    # Exact for small and large angles alike, which arccos is not.
+    tilts = 2 * np.arctan2(np.linalg.norm(normals - inward, axis=1), np.linalg.norm(normals + inward, axis=1))
+    return _largest("pad tangency", tilts, 2e-3, "rad", pads.names)
+
+
+def _tilt_in_cone(points: Array, inward: Array, pads: Pads) -> Figure:
+    """Return the tilt of the pad, about one of its axes, that is nearest to what its rubber allows."""
+    tilts, allowed = pads.tilts(points, inward)
+    pad, axis = np.unravel_index(int((tilts - allowed).argmax()), tilts.shape)
+    limit = float(allowed[pad, axis]) + TILT_TOLERANCE
+    return Figure("pad tangency", float(tilts[pad, axis]), limit, "rad", "at most", pads.names[int(pad)])
+
+
+def footprints(points: Array, normals: Array, pads: Pads, target: PlacedShape) -> list[Array]:
+    """Return the footprint of each contact, world, shape (k, 3) each, m.
+
+    Args:
+        points: contact points, world, shape (contacts, 3), m.
+        normals: of the contacts, world, shape (contacts, 3).
+        pads: the pads, contact i on pad i.
+        target: the object.
+    """
+    return [target.footprint(*given) for given in zip(pads.faces(points), points, normals, strict=True)]
 
 
 def region_figure(points: Array, region: Region, pads: Pads, target: PlacedShape) -> Figure:
     """Return how deep the least deep contact point is in the region where contact may be, m."""
     depths = [depth(region, target.to_object(point)) for point in points]
-    return _least("contact region", depths, -REGION_TOLERANCE, pads.names)
+    return _least("contact region", depths, -REGION_TOLERANCE - target.limits.region, pads.names)
 
 
-def footprint_figure(areas: Sequence[Array], region: Region, pads: Pads, target: PlacedShape) -> Figure:
+def footprint_figure(
+    areas: Sequence[Array], rubber: Sequence[Rubber], region: Region, pads: Pads, target: PlacedShape
+) -> Figure:
     """Return how deep the least deep part of a footprint is in the region where contact may be, m.
 
     Args:
         areas: the footprints, world, shape (k, 3) each.
+        rubber: of the contacts, world.
         region: in the object's frame.
         pads: contact i on pad i.
         target: the object.
     """
-    depths = [least_depth(region, target.to_object(area)) for area in areas]
-    return _least("contact region", depths, -FOOTPRINT_TOLERANCE, pads.names)
+    depths = [target.region_depth(region, *given) for given in zip(areas, rubber, strict=True)]
+    return _least("contact region", depths, -FOOTPRINT_TOLERANCE - target.limits.region, pads.names)
 
 
 def rim_figures(points: Array, pads: Pads, target: PlacedShape, reserve: float) -> list[Figure]:

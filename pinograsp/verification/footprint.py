@@ -38,7 +38,7 @@ def footprint(pad_face: Array, object_face: Array, point: Array, normal: Array) 
     """
     if len(pad_face) == 1 or len(object_face) == 1:
         return point[None]
-    axes = _tangents(normal)
+    axes = tangents(normal)
     first, second = ((face - point) @ axes.T for face in (object_face, pad_face))
     if len(first) > len(second):
         first, second = second, first
@@ -57,13 +57,13 @@ def thinned(vertices: Array, most: int) -> Array:
         return vertices
     spokes = vertices - vertices[0]
     normal = cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
-    flat = spokes @ _tangents(normal / math.sqrt(normal @ normal)).T
+    flat = spokes @ tangents(normal / math.sqrt(normal @ normal)).T
     angles = np.arange(most) * (2 * math.pi / most)
     outermost = (flat @ np.array([np.cos(angles), np.sin(angles)])).argmax(axis=0)
     return np.asarray(vertices[np.unique(outermost)])
 
 
-def _tangents(normal: Array) -> Array:
+def tangents(normal: Array) -> Array:
     """Return two unit vectors that span the plane across a normal, rows of a (2, 3) matrix, right-handed with it."""
     least = np.zeros(3)
     least[int(np.abs(normal).argmin())] = 1.0

@@ -15,7 +15,7 @@ from .claim import Claim
 from .forces import spin_force
 
 
-def force_cost(claim: Claim, pad_normals: Array, pads: Sequence[PadDescription], task: Task) -> float:
+def force_cost(claim: Claim, normals: Array, pads: Sequence[PadDescription], task: Task) -> float:
     """Return V (A7), dimensionless.
 
     The conditions are Coulomb's (17), (A1) with the friction angle's cosine as alpha, the least normal force (18),
@@ -23,14 +23,14 @@ def force_cost(claim: Claim, pad_normals: Array, pads: Sequence[PadDescription],
 
     Args:
         claim: forces and spin torques.
-        pad_normals: outward normals of the pads at the contacts, world, shape (contacts, 3).
+        normals: of the contacts, into the object, world, shape (contacts, 3).
         pads: contact models, contact i on pad i.
         task: friction coefficient, force limits and kappa.
     """
     constants = task.contact
     alpha = math.cos(math.atan(constants.friction))
     V = 0.0
-    for force, torque, normal, pad in zip(claim.forces, claim.spin_torques, pad_normals, pads, strict=True):
+    for force, torque, normal, pad in zip(claim.forces, claim.spin_torques, normals, pads, strict=True):
         pressing, size = float(force @ normal), math.hypot(*force)
         conditions = (
             alpha * math.hypot(size, spin_force(torque, pad)) - pressing,

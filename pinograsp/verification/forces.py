@@ -14,24 +14,26 @@ from .certificate import Figure
 from .claim import Claim
 
 
-def balance_figures(claim: Claim, pad_normals: Array, center_of_mass: Array, radius: float, task: Task) -> list[Figure]:
+def balance_figures(
+    claim: Claim, normals: Array, center_of_mass: Array, radius: float, wrench: Array, *, balanced: bool
+) -> list[Figure]:
     """Return the unbalanced force, N, and torque about the centre of mass, N m.
 
     Args:
         claim: points, forces and spin torques.
-        pad_normals: outward normals of the pads, world, shape (contacts, 3).
+        normals: of the contacts, into the object, world, shape (contacts, 3).
         center_of_mass: of the object, world, shape (3,), m.
         radius: of the ball about the centre of mass that holds the object, m.
-        task: the wrench, and whether it must be balanced; if not, the limits are infinite.
+        wrench: external, force and torque about the centre of mass, world, N and N m, shape (6,).
+        balanced: whether it must be balanced; if not, the limits are infinite.
     """
-    wrench = task.wrench.vector
     force = claim.forces.sum(axis=0) + wrench[:3]
     torque = np.cross(claim.points - center_of_mass, claim.forces).sum(axis=0)
-    torque = torque + claim.spin_torques @ pad_normals + wrench[3:]
+    torque = torque + claim.spin_torques @ normals + wrench[3:]
     weight, moment = float(np.linalg.norm(wrench[:3])), float(np.linalg.norm(wrench[3:]))
     force_limit = 1e-3 * weight if weight > 0.0 else 1e-6
     torque_limit = 2e-3 * max(weight * radius, moment, 1e-9)
-    if not task.balance_wrench:
+    if not balanced:
         force_limit = torque_limit = math.inf
     return [
         Figure("force balance", float(np.linalg.norm(force)), force_limit, "N", "at most"),

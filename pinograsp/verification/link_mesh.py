@@ -6,19 +6,19 @@ import contextlib
 import io
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
 
-import coal
+import igl
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from ..arrays import Array, Integers
 from ..disk import cache_folder, digest, write_whole
 from ..errors import InputError
+from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 VERSION = 1
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
@@ -51,19 +51,18 @@ class LinkMesh:
     @cached_property
     def solid(self) -> Any:
         """Coal's tree of the triangles; made when a distance is first measured."""
-        return _tree(self.vertices, self.faces)
+        return triangle_tree(self.vertices, self.faces)
 
     @cached_property
     def hull_solid(self) -> Any | None:
-        """Coal's convex hull; None where Qhull or Coal makes none: flat, or a corner with hundreds of neighbours."""
-        corners, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-        try:
-            for triangle in ConvexHull(self.hull).simplices.tolist():
-                triangles.append(coal.Triangle(*triangle))
-            corners.extend(self.hull)
-            return coal.Convex(corners, triangles)
-        except (QhullError, RuntimeError):
-            return None
+        """Coal's convex hull; None where Qhull or Coal makes none."""
+        return hull_solid(self.hull)
+
+    @cached_property
+    def _winding(self) -> Any:
+        hierarchy = igl.FastWindingNumberBVH()
+        hierarchy.init(self.vertices, self.faces)
+        return hierarchy
 
     def surrounds(self, points: Array) -> bool:
         """Whether one of the points, shape (n, 3), link frame, lies in what the mesh encloses.
@@ -72,27 +71,31 @@ class LinkMesh:
         winding number decides, which small holes in a mesh do not spoil.
         """
         normals, offsets = self.hull_faces
-        candidates = points[(points @ normals.T <= offsets).all(axis=1)]
-        return any(abs(self.winding_number(point)) > 0.5 for point in candidates)
+        low, high = self.hull.min(axis=0), self.hull.max(axis=0)
+        near = points[((points >= low) & (points <= high)).all(axis=1)]
+        candidates = near[(near @ normals.T <= offsets).all(axis=1)]
+        return bool(len(candidates)) and bool((np.abs(self._winding.winding_number(candidates)) > 0.5).any())
 
-    def winding_number(self, point: Array) -> float:
-        """Sum of the solid angles of all triangles over 4 pi (van Oosterom and Strackee 1983)."""
-        a, b, c = (self.triangles - point).transpose(1, 0, 2)
-        la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
-        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", first, second) for first, second in ((a, b), (b, c), (c, a))]
-        angles = 2 * np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
-        return float(angles.sum() / (4 * np.pi))
+    def opened(self, vertices: Array, faces: Integers) -> LinkMesh:
+        """Return triangles that were cut out of the mesh; cut open, they enclose nothing.
 
+        Whether something is inside the link is to be asked of the whole link.
 
-def _tree(vertices: Array, faces: Integers) -> Any:
-    tree = coal.BVHModelOBBRSS()
-    tree.beginModel(len(faces), len(vertices))
-    tree.addVertices(vertices)
-    tree.addTriangles(faces)
-    tree.endModel()
-    tree.computeLocalAABB()
-    return tree
+        Args:
+            vertices: shape (v, 3), m.
+            faces: which of them are used, shape (f, 3).
+        """
+        used, numbers = np.unique(faces, return_inverse=True)
+        corners = np.asarray(vertices[used], dtype=np.float64)
+        return replace(
+            self,
+            vertices=corners,
+            faces=numbers.reshape(-1, 3).astype(np.int64),
+            hull=hull_corners(corners),
+            hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
+            members=corners[:1],
+            radius=float(np.linalg.norm(corners - self.center, axis=1).max()),
+        )
 
 
 def kept(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:

@@ -103,6 +103,23 @@ def rim_distance(patch: Any, point: Array) -> float:
             return float(patch.radius) * min(around, _within(patch.v, second))
 
 
+def heights(patch: Any, points: Array) -> Array:
+    """Return how far points are above the surface of a patch continued: a plane, a whole sphere or cylinder, m.
+
+    Args:
+        patch: the patch's description.
+        points: in the frame that the patch is described in, its link's, m, shape (n, 3).
+    """
+    local = (points - np.array(patch.origin)) @ patch.rotation
+    match patch:
+        case CylinderPatch():
+            return np.asarray(np.linalg.norm(local[:, 1:], axis=1) - patch.radius)
+        case SpherePatch():
+            return np.asarray(np.linalg.norm(local, axis=1) - patch.radius)
+        case _:
+            return np.asarray(local[:, 2])
+
+
 def _rectangle(u: tuple[float, float], v: tuple[float, float]) -> Array:
     return np.array([[u[0], v[0], 0.0], [u[1], v[0], 0.0], [u[1], v[1], 0.0], [u[0], v[1], 0.0]])
 

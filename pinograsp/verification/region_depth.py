@@ -6,6 +6,7 @@ is divided into cells (lines, triangles), and on each cell bounds of d are compu
 
     linear pieces    between their values at the cell's vertices
     ball             concave: above its values at the vertices, below its tangent plane at the cell's centre
+    painted          within the cell's half-size of its value at the centre
     sector           within L s of its value at the centre, s the cell's half-size across z, L = sqrt(1 + h^2) and h the
                      larger of the sector's half-width and pi less that
 
@@ -23,6 +24,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import regions as described
+from .painted import painted_depths
 
 RESOLUTION = 5e-7
 """m"""
@@ -36,11 +38,17 @@ Bounds that are still apart then are so by rounding.
 
 
 def least_depth(region: described.Region, vertices: Array) -> float:
-    """Return the least depth, m, of a footprint: shape (k, 3), a point, the ends of a line, or corners in order."""
-    best = float(_bounds(region, vertices[:, None])[0].min())
-    if len(vertices) == 1 or _concave(region):
+    """Return the least depth, m, of a footprint.
+
+    Args:
+        region: the region.
+        vertices: a point, the ends of a line, or corners in order, shape (k, 3); or triangles, shape (n, 3, 3).
+    """
+    corners = vertices if vertices.ndim == 2 else np.unique(vertices.reshape(-1, 3), axis=0)
+    best = float(_bounds(region, corners[:, None])[0].min())
+    if vertices.shape == (1, 3) or _concave(region):
         return best
-    cells = vertices[None] if len(vertices) == 2 else _fan(vertices)
+    cells = vertices if vertices.ndim == 3 else vertices[None] if len(vertices) == 2 else _fan(vertices)
     floor = best
     for halvings in itertools.count():
         if not len(cells):
@@ -62,7 +70,7 @@ def _concave(region: described.Region) -> bool:
         case described.Outside():
             return isinstance(region.part, described.HalfSpace)
         case _:
-            return not isinstance(region, described.Sector | described.AnyOf | described.Near)
+            return not isinstance(region, described.Sector | described.AnyOf | described.Near | described.Painted)
 
 
 def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
@@ -81,6 +89,8 @@ def _bounds(region: described.Region, cells: Array) -> tuple[Array, Array]:
             return _ball(region, cells)
         case described.Sector():
             return _sector(region, cells)
+        case described.Painted():
+            return _painted(region, cells)
         case described.Near():
             return _bounds(region.balls, cells)
         case described.AllOf():
@@ -120,6 +130,13 @@ def _sector(sector: described.Sector, cells: Array) -> tuple[Array, Array]:
     value = (sector.half_width - off) * np.hypot(middle[:, 0], middle[:, 1])
     reach = math.hypot(1.0, max(sector.half_width, math.pi - sector.half_width)) * size
     return value - reach, value + reach
+
+
+def _painted(region: described.Painted, cells: Array) -> tuple[Array, Array]:
+    middle = cells.mean(axis=1)
+    size = np.linalg.norm(cells - middle[:, None], axis=2).max(axis=1)
+    value = painted_depths(region, middle)
+    return value - size, value + size
 
 
 def _fan(corners: Array) -> Array:

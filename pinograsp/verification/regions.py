@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import regions as described
+from .painted import painted_depths
 
 
 def depth(region: described.Region, point: Array) -> float:
@@ -29,6 +30,8 @@ def depth(region: described.Region, point: Array) -> float:
             return float(min(np.min(point - region.min), np.min(np.array(region.max) - point)))
         case described.Near():
             return depth(region.balls, point)
+        case described.Painted():
+            return float(painted_depths(region, point[None])[0])
         case described.AllOf():
             return min(depth(part, point) for part in region.parts)
         case described.AnyOf():

@@ -36,7 +36,6 @@ import numpy as np
 
 from ..arrays import Array, cross
 from ..descriptions.hand import SoftFinger
-from ..descriptions.scene import Object
 from ..descriptions.task import Task
 from .balance import BalanceProblem, ContactPoints, Limits
 from .certificate import Certificate, Figure
@@ -52,7 +51,6 @@ CORNERS = 8
 """Most points of a footprint."""
 MOST = 1e4
 """Largest value of the figures, m/s^2: where friction locks the fingers nothing bounds them."""
-STANDARD_GRAVITY = 9.80665
 _DIRECTIONS = np.vstack([sign * np.eye(3)[axis] for axis in range(3) for sign in (1.0, -1.0)])
 _NAMES = ("+x", "-x", "+y", "-y", "+z", "-z")
 
@@ -67,17 +65,10 @@ class Hold:
     """The wrench on the object that the planned forces balance: force and torque about the centre of mass, (6,)."""
 
 
-def mass_of(body: Object, task: Task) -> float | None:
-    """Return the mass of an object, kg: its own, or what the task's force weighs; None if that is nothing."""
-    if body.mass is not None:
-        return float(body.mass)
-    weight = float(np.linalg.norm(task.wrench.vector[:3]))
-    return weight / STANDARD_GRAVITY if weight > 0.0 else None
-
-
 def hold_of(
     claim: Claim,
     pads: Pads,
+    normals: Array,
     areas: Sequence[Array],
     rates: Sequence[Array],
     task: Task,
@@ -89,13 +80,13 @@ def hold_of(
     Args:
         claim: contact points, planned forces and spin torques.
         pads: the pads at the claim's link poses.
+        normals: of the contacts, into the object, world, shape (contacts, 3).
         areas: footprint of each contact, world, shape (k, 3), m.
         rates: of the link of each pad, its twist about the world's origin per unit of each synergy, (synergies, 6).
         task: friction and force limits.
         center_of_mass: of the object, world, shape (3,), m.
         radius: of the ball about the centre of mass that holds the object, m.
     """
-    normals = pads.nearest(claim.points)[1]
     exerted = _exerted(claim, normals)
     torques = _felt(exerted, rates)
     size = float(np.linalg.norm(torques))
@@ -116,9 +107,9 @@ def hold_of(
     return Hold(BalanceProblem(at, size, limits, center_of_mass, radius), load)
 
 
-def drive_torques(claim: Claim, pads: Pads, rates: Sequence[Array]) -> Array:
+def drive_torques(claim: Claim, normals: Array, rates: Sequence[Array]) -> Array:
     """Return tau = S^T sum_i J_i^T f_i, N m (N) per unit of each synergy, (synergies,); arguments as for `hold_of`."""
-    return _felt(_exerted(claim, pads.nearest(claim.points)[1]), rates)
+    return _felt(_exerted(claim, normals), rates)
 
 
 def _exerted(claim: Claim, normals: Array) -> Array:

@@ -5,21 +5,21 @@ plane, so what of the link is flush with it or behind it cannot be touched, and 
 above the plane by more than `PENETRATION` stands out; triangles are cut there. Of a curved pad the surface continued is
 the whole sphere or cylinder, and triangles that reach more than `BULGE` outside it stand out.
 
+Of a compound that is so of the part that a pad touches. Other parts may be beside or behind the pad's surface: the pad
+clearance, which is of the whole link, keeps them out of it.
+
 A link with several pads is touched at each of them, so that only what stands out above all of them counts.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 import trimesh
 
-from ..arrays import Array
 from ..descriptions.patches import CylinderPatch, Patch, SpherePatch
 from ..memo import remembered
 from .link_mesh import LinkMesh
+from .patches import heights
 from .robot import VerifiedRobot
 from .shapes.core import PENETRATION
 
@@ -53,30 +53,11 @@ def _part(mesh: LinkMesh, patches: list[Patch]) -> LinkMesh | None:
     vertices, faces = mesh.vertices, mesh.faces
     for patch in patches:
         if isinstance(patch, CylinderPatch | SpherePatch):
-            faces = faces[(_heights(patch, vertices) > BULGE)[faces].any(axis=1)]
+            faces = faces[(heights(patch, vertices) > BULGE)[faces].any(axis=1)]
         else:
             normal = patch.rotation[:, 2]
             origin = np.array(patch.origin) + PENETRATION * normal
             vertices, faces = trimesh.intersections.slice_faces_plane(vertices, faces, normal, origin)[:2]
         if not len(faces):
             return None
-    used, numbers = np.unique(faces, return_inverse=True)
-    corners = np.asarray(vertices[used], dtype=np.float64)
-    return replace(
-        mesh,
-        vertices=corners,
-        faces=numbers.reshape(-1, 3).astype(np.int64),
-        hull=corners,
-        # Cut open, it encloses nothing: whether something sits inside the link is asked of the whole link.
-        hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
-        members=corners[:1],
-        radius=float(np.linalg.norm(corners - mesh.center, axis=1).max()),
-    )
-
-
-def _heights(patch: Any, vertices: Array) -> Array:
-    """Return how far vertices, link frame, shape (n, 3), are outside the whole sphere or cylinder of a patch, m."""
-    local = (vertices - np.array(patch.origin)) @ patch.rotation
-    if isinstance(patch, CylinderPatch):
-        local = local[:, 1:]
-    return np.asarray(np.linalg.norm(local, axis=1) - patch.radius)
+    return mesh.opened(vertices, faces)

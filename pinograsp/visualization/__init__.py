@@ -1,7 +1,7 @@
 """The picture of a grasp: live in meshcat, or as one HTML file that needs neither server nor network.
 
 The arm's visual meshes, the transparent glovebox, the object, contact points, forces and friction cones.
-`robot_page` draws a robot file with what a check says of it,
+`robot_page` draws a robot file with what a check says of it, `contacts_page` contacts that are proposed,
 `coverage` draws which parts of the enclosure a start database reaches.
 This is the only package that imports meshcat and matplotlib.
 """
@@ -20,6 +20,7 @@ from ..results.setup import Setup
 from . import camera
 from .approach import draw_approach
 from .comparison import clearance_table, grasp_list
+from .contacts_page import write_contacts_html
 from .coverage import coverage_html, coverage_png
 from .forces import draw_forces
 from .page import grasp_page
@@ -28,7 +29,7 @@ from .robot_page import write_robot_html
 from .scene import draw_scene
 from .viewer import Recorder, Visualizer, live
 
-__all__ = ["coverage_html", "coverage_png", "show", "write_html", "write_robot_html"]
+__all__ = ["coverage_html", "coverage_png", "show", "write_contacts_html", "write_html", "write_robot_html"]
 
 ROOT = "pinograsp"
 """Node of the viewer's tree that holds the world."""

@@ -37,10 +37,12 @@ REGION_LEGEND = {"contact allowed": ALLOWED, "contact forbidden": FORBIDDEN}
 PAD_LEGEND = {"pad": PAD, "its outward normal": NORMAL, "wrist's z axis, the approach direction": APPROACH}
 
 
-def legend(*, regions: bool, approach: bool) -> dict[str, int]:
-    """Return what each colour means, in a task with or without contact regions and a cone of approach directions."""
+def legend(*, regions: bool, approach: bool, desired: bool = True) -> dict[str, int]:
+    """Return what each colour means, in a task with or without contact regions, approach cone and desired contacts."""
     entries: dict[str, int] = {}
     for text, color in LEGEND.items():
+        if color == DESIRED and not desired:
+            continue
         entries |= REGION_LEGEND if regions and text == "object" else {text: color}
     return entries | ({"cone of approach directions": APPROACH} if approach else {})
 

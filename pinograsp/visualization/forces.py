@@ -21,7 +21,7 @@ DESIRED_RADIUS = 0.005
 
 def draw_forces(viewer: Visualizer, grasp: Grasp, scene: Scene, task: Task) -> None:
     """Draw what acts on the object below the nodes `contacts` and `wrench`; one scale for all arrows."""
-    weight = np.array(task.wrench.force)
+    weight = np.array(scene.wrench_of(task).force)
     scale = arrow_scale([weight, *(contact.force for contact in grasp.contacts)])
     for contact in grasp.contacts:
         draw_contact(viewer["contacts"][contact.pad], contact, task.contact.friction, scale)
@@ -37,11 +37,9 @@ def arrow_scale(forces: list[Array]) -> float:
 
 def draw_contact(node: Visualizer, contact: Contact, mu: float, scale: float) -> None:
     """Draw one contact: the force pushes from outside, its point at the contact; the cone opens inwards."""
-    draw(
-        node["desired"],
-        ball(contact.desired_point, DESIRED_RADIUS),
-        Look(colors.DESIRED, 0.6, colors.SYMBOL_LAYER),
-    )
+    if contact.desired_point is not None:
+        desired = ball(contact.desired_point, DESIRED_RADIUS)
+        draw(node["desired"], desired, Look(colors.DESIRED, 0.6, colors.SYMBOL_LAYER))
     draw(node["point"], ball(contact.point, CONTACT_RADIUS), Look(colors.CONTACT, layer=colors.SYMBOL_LAYER))
     cone = friction_cone(contact.point, -contact.normal, mu, CONE_HEIGHT)
     draw(node["cone"], cone, Look(colors.CONE, 0.4, colors.CONE_LAYER))

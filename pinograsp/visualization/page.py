@@ -55,6 +55,7 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
         listed: HTML of what is to stand above its figures.
     """
     scene, task = setup.scene, setup.scene.task(setup.task)
+    desired = task.desired_contacts is not None
     panel = (
         f"<h1>{'Configuration' if grasp.start is None else 'Grasp'}</h1>",
         f"<p>{escape(setup.robot.name)} in {escape(scene.name)}, task {escape(setup.task)}</p>",
@@ -62,11 +63,13 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
         _refutation(grasp.certificate),
         view_button("whole-box", "Whole box") + view_button("close-up", "Close-up"),
         listed,
-        f"<table><caption>Cost</caption>{_costs(grasp)}</table>",
+        f"<table><caption>Cost</caption>{_costs(grasp, desired=desired)}</table>",
         criteria_table(grasp),
         "<table><caption>Contact forces on the object, world frame</caption>",
         "".join(_contact(contact) for contact in grasp.contacts) + "</table>",
-        legend(colors.legend(regions=task.contact_region is not None, approach=task.approach is not None)),
+        legend(
+            colors.legend(regions=task.contact_region is not None, approach=task.approach is not None, desired=desired)
+        ),
         f"<table>{_certificate(grasp.certificate)}</table>",
     )
     views = {"whole-box": whole_box(scene, task), "close-up": close_up(grasp, scene, task)}
@@ -95,12 +98,12 @@ def _view(view: View, origin: View) -> dict[str, list[float]]:
     return {"position": y_up(view.position - origin.target), "target": y_up(view.target - origin.target)}
 
 
-def _costs(grasp: Grasp) -> str:
-    cost = grasp.cost
+def _costs(grasp: Grasp, *, desired: bool) -> str:
+    cost, distances = grasp.cost, "contacts from desired points" if desired else "no contacts desired: proposed ones"
     return "".join(
         (
             row("U", f"{cost.U:.4g}", "cost index"),
-            row("Φ", f"{cost.phi_mm2:.3g} mm²", "contacts from desired points"),
+            row("Φ", f"{cost.phi_mm2:.3g} mm²", distances),
             row("V", f"{cost.V:.4g}", "forces in their cones"),
         )
     )

@@ -21,7 +21,7 @@ EDGE_RADIUS = 0.003
 def draw_scene(viewer: Visualizer, scene: Scene, task: Task) -> None:
     """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names."""
     draw_enclosure(viewer["enclosure"], scene.enclosure)
-    _draw_object(viewer["object"], scene.objects[task.object], task.contact_region)
+    _draw_object(viewer["object"], scene.objects[task.object], scene.region_of(task))
     for name, body in scene.bodies_besides(task).items():
         draw_body(viewer["obstacles"][name], body, Look(colors.OTHER))
 

@@ -8,6 +8,7 @@ the two that stay.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import pinograsp
-from pinograsp.problem import TaskModel
+from pinograsp.problem import DesiredPoints, TaskModel
 from pinograsp.solve.backends import Limits, Program
 from pinograsp.solve.backends.nlopt import INNER_COST_CHANGE, NLopt
 from pinograsp.solve.local import LocalSolver, Solution, solution_of
@@ -143,10 +144,10 @@ class RecipeSolver:
             seconds=SECONDS,
         )
 
-    def solve(self, index: int, start: np.ndarray) -> Solution:
+    def solve(self, index: int, start: np.ndarray, proposed: Sequence[DesiredPoints] = ()) -> Solution:
         """Return where a start leads; some algorithms count evaluations otherwise or not at all, the recorder does."""
         began = time.perf_counter()
-        projected = self._projected.solve(index, start)
+        projected = self._projected.solve(index, start, proposed)
         recorder = Recorder(self._projected.problem(projected.assignment), TOLERANCE, self._recipe.budget)
         program = self._recipe.program(program_from(recorder, projected.x))
         stop = self._recipe.backend.solve(program, self._limits)

@@ -16,7 +16,7 @@ import pinograsp
 from pinograsp.database.cache import cached_database
 from pinograsp.descriptions import Scene
 from pinograsp.execution import own_workers
-from pinograsp.planning.attempt import Solver, attempts_of
+from pinograsp.planning.attempt import Item, Solver, attempts_of
 from pinograsp.problem import TaskModel
 from pinograsp.solve.local import LocalSolver
 from pinograsp.solve.options import SolverOptions
@@ -66,7 +66,8 @@ def attempt_all(
 ) -> list[Attempt]:
     """Solve every start and judge what comes of it, sorted by start."""
     lines, done = Lines(), []
-    prepare, items = partial(attempts_of, TaskModel(robot, scene, task), method), list(enumerate(postures))
+    prepare = partial(attempts_of, TaskModel(robot, scene, task), method)
+    items = [Item(*start) for start in enumerate(postures)]
     with own_workers(workers) as pool:
         for attempt in pool.run(prepare, items, chunk=2):
             solution, U = attempt.solution, attempt.grasp.cost.U if attempt.grasp else None

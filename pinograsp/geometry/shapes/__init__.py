@@ -14,6 +14,7 @@ from ...arrays import Array, Indices
 from ...descriptions import shapes as described
 from ..contact_faces import ContactFace
 from ..convex_solid import ConvexPiece
+from ..point_trees import PointTrees
 from ..tessellation import Tessellation
 from .box import BoxSurface
 from .capsule import CapsuleSurface
@@ -21,24 +22,54 @@ from .compound import CompoundSurface
 from .cone import ConeSurface
 from .cylinder import CylinderSurface
 from .ellipsoid import EllipsoidSurface
+from .mesh import body_surface
 from .sphere import SphereSurface
 
 
 class Surface(Protocol):
-    """A shape: convex, or a compound."""
+    """A shape: convex, a compound, or the body within a mesh."""
 
-    least_width: float
-    """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m."""
     radius: float
     """Of a ball around the frame's origin that contains the shape, m."""
     edged: bool
     """Whether some of its contact faces have edges."""
+    uneven: bool
+    """Whether pads lie on the mean of what is below them, tilted and pressed in a little, instead of tangent to it."""
+
+    @property
+    def least_width(self) -> float:
+        """Least distance between two parallel planes that hold the shape, or a part of a compound, between them, m.
+
+        0 if parts of it may be narrower that are not known.
+        """
+        ...
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
         """Return distance (n,), gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3); negative inside.
 
         The gradient on the surface is the outward normal.
         """
+        ...
+
+    def footprint(self, points: Array) -> tuple[Array, Array]:
+        """Return the outward unit normals (n, 3) that a pad feels at points (n, 3), and their derivatives (n, 3, 3)."""
+        ...
+
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
+        """Return the least signed distance of sets of points, or their cap, and the point there; of an uneven surface.
+
+        Args:
+            sets: points that are fixed to bodies.
+            rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
+            translations: of these, m, shape (bodies, 3).
+            caps: distances of each set from which on they do not matter, m, shape (sets,).
+        """
+        ...
+
+    def exact_distances(self, points: Array) -> Array:
+        """Return the signed distances (n,) of points (n, 3) as exactly as they can be had, slowly."""
         ...
 
     def nearest_part(self, points: Array) -> Indices:
@@ -69,6 +100,7 @@ SURFACES: dict[type[described.ShapeDescription], Callable[[Any], Surface]] = {
     described.Capsule: CapsuleSurface,
     described.Cone: ConeSurface,
     described.Ellipsoid: EllipsoidSurface,
+    described.Mesh: body_surface,
     described.Compound: lambda shape: CompoundSurface(shape, surface_of),
 }
 """The surface of each described shape, made from its description. A new shape is registered here."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ...descriptions.shapes import Compound, Shape
 from ..contact_faces import ContactFace, Ruling, placed
 from ..convex_solid import ConvexPiece
 from ..tessellation import Tessellation
+from .convex import Exact
 
 if TYPE_CHECKING:
     from . import Surface
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 COVERED = 1e-7
 """How deep in another part a straight line is covered by it, m: less is flush with it."""
 STEPS = 40
-_CONVERGED = 1e-13
+_CONVERGED = 1e-9
+"""Distance from a crossing from which one more step is exact, m."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class _Part:
         return placed(self.surface.contact_face(self.local(point)), self.placement[:3, :3], self.placement[:3, 3])
 
 
-class CompoundSurface:
+class CompoundSurface(Exact):
     """Geometry of a compound.
 
     Args:
@@ -139,6 +141,19 @@ class CompoundSurface:
         return Tessellation(np.concatenate(vertices), np.concatenate(triangles))
 
 
+class _Seen(NamedTuple):
+    """A part, seen from a point of a line."""
+
+    t: float
+    """Where on the line, m."""
+    outside: float
+    """How far outside the part, m."""
+    slope: float
+    """Of that, along the line."""
+    normal: Array
+    """Gradient there, in the frame of the part, shape (3,)."""
+
+
 def _cut(face: Ruling, foot: Array, follows: Array, part: _Part) -> Ruling:
     """Return what of a straight line is not in a convex part: up to where it enters it on either side.
 
@@ -152,46 +167,47 @@ def _cut(face: Ruling, foot: Array, follows: Array, part: _Part) -> Ruling:
     """
     start, along = part.local(foot), part.placement[:3, :3].T @ face.direction
 
-    def depth(t: float) -> tuple[float, float, Array]:
-        """Return how far the line is outside the part at t, the slope of that along it, and the gradient there."""
+    def seen(t: float) -> _Seen:
         distances, normals, _ = part.surface.signed_distance((start + t * along)[None])
-        return float(distances[0]) + COVERED, float(normals[0] @ along), normals[0]
+        return _Seen(t, float(distances[0]) + COVERED, float(normals[0] @ along), normals[0])
 
-    def crossing(t: float, sign: float, last: float) -> float | None:
-        """Return where the line enters the part, from outside it at t on towards `last`; None if it does not.
+    def crossing(at: _Seen, sign: float, last: float) -> _Seen | None:
+        """Return where the line enters the part, from outside it on towards `last`; None if it does not.
 
         The distance to a convex part is convex along the line: Newton's method never steps beyond the crossing.
         """
         for _ in range(STEPS):
-            outside, slope, _ = depth(t)
-            if outside <= _CONVERGED:
-                return t
-            if sign * slope >= 0.0:
+            if sign * at.slope >= 0.0:
                 return None
-            t -= outside / slope
+            t = at.t - at.outside / at.slope
             if sign * (t - last) > 0.0:
                 return None
-        return t
+            if at.outside <= _CONVERGED:
+                return at._replace(t=t)
+            at = seen(t)
+        return at
 
-    def slope(t: float) -> Array | None:
-        _, rate, normal = depth(t)
+    def slope(at: _Seen) -> Array:
         bend = 0.0 if face.bend is None else face.bend
-        normal = part.placement[:3, :3] @ normal
-        return None if rate == 0.0 else np.asarray(-normal @ (follows + t * bend) / rate)
+        normal = part.placement[:3, :3] @ at.normal
+        return np.asarray(-normal @ (follows + at.t * bend) / at.slope)
 
-    def until(t: float) -> Ruling:
-        return replace(face, high=t, sharp=(face.sharp[0], True), slopes=(face.slopes[0], slope(t)))
+    def until(at: _Seen) -> Ruling:
+        return replace(face, high=at.t, sharp=(face.sharp[0], True), slopes=(face.slopes[0], slope(at)))
 
-    def since(t: float) -> Ruling:
-        return replace(face, low=t, sharp=(True, face.sharp[1]), slopes=(slope(t), face.slopes[1]))
+    def since(at: _Seen) -> Ruling:
+        return replace(face, low=at.t, sharp=(True, face.sharp[1]), slopes=(slope(at), face.slopes[1]))
 
-    if depth(0.0)[0] > 0.0:
-        end = crossing(0.0, 1.0, face.high)
-        face = face if end is None else until(end)
-        begin = crossing(0.0, -1.0, face.low)
+    here = seen(0.0)
+    if here.outside > 0.0:
+        end = crossing(here, 1.0, face.high)
+        if end is not None:
+            return until(end)
+        begin = crossing(here, -1.0, face.low)
         return face if begin is None else since(begin)
-    above = crossing(face.high, -1.0, 0.0) if depth(face.high)[0] > 0.0 else None
-    below = crossing(face.low, 1.0, 0.0) if depth(face.low)[0] > 0.0 else None
-    if above is not None and (below is None or above < -below):
+    ends = seen(face.low), seen(face.high)
+    below = crossing(ends[0], 1.0, 0.0) if ends[0].outside > 0.0 else None
+    above = crossing(ends[1], -1.0, 0.0) if ends[1].outside > 0.0 else None
+    if above is not None and (below is None or above.t < -below.t):
         return since(above)
     return replace(face, low=0.0, high=0.0, sharp=(True, True)) if below is None else until(below)

@@ -1,13 +1,39 @@
-"""What the surfaces of convex shapes have in common: they are of one part."""
+"""What the surfaces of shapes with a formula have in common."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ...arrays import Array, Indices
+from ..point_trees import PointTrees
 
 
-class Convex:
+class Exact:
+    """A surface whose signed distance is exact, and its gradient what a pad feels."""
+
+    uneven = False
+
+    def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return distance, gradient and Hessian."""
+        raise NotImplementedError
+
+    def footprint(self, points: Array) -> tuple[Array, Array]:
+        """Return gradient and Hessian of the distance."""
+        _, normals, hessians = self.signed_distance(points)
+        return normals, hessians
+
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
+        """Coal measures such shapes."""
+        raise NotImplementedError
+
+    def exact_distances(self, points: Array) -> Array:
+        """Return the distances."""
+        return self.signed_distance(points)[0]
+
+
+class Convex(Exact):
     """A shape that is no compound."""
 
     edged = True

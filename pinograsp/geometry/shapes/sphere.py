@@ -53,15 +53,14 @@ class SphereSurface(Convex):
 @compiled
 def _signed_distance(points: Array, radius: float) -> tuple[Array, Array, Array]:
     n = len(points)
-    distances, normals, hessians = np.empty(n), np.zeros((n, 3)), np.empty((n, 3, 3))
+    distances, normals, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
         x, y, z = points[i]
-        norm = math.sqrt(x * x + y * y + z * z)
-        length = norm if norm > 0.0 else 1.0
-        distances[i] = norm - radius
-        normals[i, 0] = x / length if norm > 0.0 else 1.0
-        normals[i, 1], normals[i, 2] = y / length, z / length
-        for k in range(3):
-            for m in range(3):
-                hessians[i, k, m] = ((1.0 if k == m else 0.0) - normals[i, k] * normals[i, m]) / length
+        length = math.sqrt(x * x + y * y + z * z)
+        distances[i] = length - radius
+        normals[i] = (x / length, y / length, z / length) if length > 0.0 else (1.0, 0.0, 0.0)
+        for j in range(3):
+            for k in range(3):
+                across = (1.0 if j == k else 0.0) - normals[i, j] * normals[i, k]
+                hessians[i, j, k] = across / length if length > 0.0 else across
     return distances, normals, hessians

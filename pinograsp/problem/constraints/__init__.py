@@ -12,14 +12,18 @@ from .contact_forces import ContactForces
 from .contact_gap import ContactGap
 from .contact_region import contact_region
 from .joint_limits import joint_limits
+from .object_clearance import object_clearance
 from .pad_clearance import pad_clearance
-from .pad_tangency import PadTangency
+from .pad_depth import pad_depth
+from .pad_tangency import pad_tangency
+from .pad_tilt import pad_tilt
 from .surface_edge import surface_edge
 from .wrench_balance import wrench_balance
 
 CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     ContactGap,
-    PadTangency,
+    pad_tangency,
+    pad_tilt,
     ContactForces,
     wrench_balance,
     contact_region,
@@ -28,6 +32,8 @@ CONSTRAINTS: list[Callable[[TaskModel], Constraint | None]] = [
     joint_limits,
     Clearance,
     pad_clearance,
+    object_clearance,
+    pad_depth,
 ]
 """Maker of each constraint of a task, in the order of their rows; None where the task does not ask for it."""
 

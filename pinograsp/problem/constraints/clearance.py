@@ -55,7 +55,7 @@ class Clearance(Inside):
 
     def inside(self, state: State) -> Residual:
         indices, above, gradients = self._measured(state)
-        values, jacobian = _smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
+        values, jacobian = smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
         rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
         return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
@@ -79,9 +79,7 @@ class Clearance(Inside):
 
 
 @compiled
-def _smooth_minima(
-    above: Array, gradients: Array, links: Indices, counts: Indices, reach: float
-) -> tuple[Array, Array]:
+def smooth_minima(above: Array, gradients: Array, links: Indices, counts: Indices, reach: float) -> tuple[Array, Array]:
     """Return the smooth minimum of every link and its gradient, shapes (links,), (links, v).
 
     Args:

@@ -21,6 +21,7 @@ from ..constraint import PER_METRE, Inside, Residual, Violation
 from ..footprint import RAYS, Ray, rays
 from ..state import State
 from ..task_model import TaskModel
+from .footprint_region import FootprintRegion
 
 INACTIVE = 0.03
 """Value of a row that has nothing to say, m."""
@@ -94,11 +95,13 @@ class ContactRegion(Inside):
         return [self.largest_violation(state, "mm", 1e3, self._pads)]
 
 
-def contact_region(model: TaskModel) -> ContactRegion | None:
+def contact_region(model: TaskModel) -> ContactRegion | FootprintRegion | None:
     """Return the constraint, or None if the whole surface is allowed."""
-    region, pads = model.task.contact_region, model.robot.pads
+    region, pads = model.scene.region_of(model.task), model.robot.pads
     if region is None:
         return None
     if model.task.contact_regions == "point":
         return ContactRegion(model, region, lambda state, pad: [], [0] * len(pads))
+    if model.surface.uneven:
+        return FootprintRegion(model, region)
     return ContactRegion(model, region, rays, [RAYS.get(type(pad.patch), 0) for pad in pads])

@@ -1,7 +1,7 @@
 """Pad tangency: pads and surface are tangent and face each other.
 
 Together with a zero gap this is contact without penetration of pad and object: a penetration tolerance t
-instead would let the contact slide by sqrt(2 r t).
+instead would let the contact slide by sqrt(2 r t). On an uneven surface `pad_tilt` takes its place.
 """
 
 from __future__ import annotations
@@ -35,11 +35,7 @@ class PadTangency(Constraint, Projected):
 
     def sums(self, state: State) -> Residual:
         """Return n_pad + n_object, dimensionless, shape (3 n,)."""
-        _, normals, hessians = state.surface
-        contacts = state.contacts
-        values = contacts.normals + normals
-        jacobian = contacts.d_normals + np.matmul(hessians, contacts.d_points)
-        return Residual(values.ravel(), jacobian.reshape(values.size, -1))
+        return tilt_of(state)
 
     def residual(self, state: State) -> Residual:
         return self.sums(state).scaled(PER_METRE * self._rho)
@@ -48,18 +44,37 @@ class PadTangency(Constraint, Projected):
         return self.sums(state).scaled(weight * PROJECTED)
 
     def violations(self, state: State) -> list[Violation]:
-        sums = np.linalg.norm(state.contacts.normals + state.surface[1], axis=1)
-        worst = int(sums.argmax())
-        tilt = 2.0 * math.asin(min(1.0, 0.5 * float(sums[worst])))
-        size = 1e3 * self._rho * tilt
-        return [Violation("pad tangency", math.degrees(tilt), "deg", self._pads[worst], size)]
+        sums = np.linalg.norm(state.contacts.normals + state.footprint[0], axis=1)
+        return [violation_of(state, int(sums.argmax()), self._rho)]
 
     def independent(self, state: State) -> Array:
         """Return, of the three components of every pad, the two across the surface's normal, shape (2 n, 3 n)."""
-        normals = state.surface[1]
+        normals = state.footprint[0]
         n = len(normals)
         across = np.zeros((2 * n, 3 * n))
         for i, normal in enumerate(normals):
             _, _, axes = np.linalg.svd(normal[None])
             across[2 * i : 2 * i + 2, 3 * i : 3 * i + 3] = axes[1:]
         return across
+
+
+def tilt_of(state: State) -> Residual:
+    """Return the sums of the outward normals of every pad and of the object as the pad feels it, shape (3 n,)."""
+    normals, derivatives = state.footprint
+    contacts = state.contacts
+    values = contacts.normals + normals
+    jacobian = contacts.d_normals + np.matmul(derivatives, contacts.d_points)
+    return Residual(values.ravel(), jacobian.reshape(values.size, -1))
+
+
+def violation_of(state: State, pad: int, rho: float, *, kept: bool = False) -> Violation:
+    """Return the tilt of a pad against the object as a violation, 0 if it is no more than it may be."""
+    apart = float(np.linalg.norm(state.contacts.normals[pad] + state.footprint[0][pad]))
+    tilt = 0.0 if kept else 2.0 * math.asin(min(1.0, 0.5 * apart))
+    name = state.model.robot.description.pads[pad].name
+    return Violation("pad tangency", math.degrees(tilt), "deg", name, 1e3 * rho * tilt)
+
+
+def pad_tangency(model: TaskModel) -> PadTangency | None:
+    """Return the constraint, or None if the object's surface is uneven."""
+    return None if model.surface.uneven else PadTangency(model)

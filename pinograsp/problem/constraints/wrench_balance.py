@@ -1,8 +1,8 @@
 """Wrench balance: contact forces that balance the external wrench exist.
 
 For two hard fingers the part that no force balances is the torque about the line that joins them: it is then, relative
-to the wrench, the distance of the centre of mass from the vertical plane through that line, in parts of the object's
-radius.
+to the wrench, the distance of the centre of mass from the plane through that line along the force, in parts of the
+object's radius.
 """
 
 from __future__ import annotations

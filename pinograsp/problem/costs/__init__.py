@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 from ..cost import Cost
 from ..task_model import TaskModel
-from .desired_contacts import DesiredContacts
+from .desired_contacts import desired_contacts
 from .force_cost import ForceCost
+from .pad_tilt import pad_tilt
 
 COSTS: list[Callable[[TaskModel], Cost | None]] = [
-    DesiredContacts,
+    desired_contacts,
     ForceCost,
+    pad_tilt,
 ]
 """Maker of each cost of a task, in the order of their sum; None where the task does not ask for it."""
 

@@ -1,4 +1,8 @@
-"""Desired contacts: Phi (9), the sum of the squared distances of the contacts from their desired points."""
+"""Desired contacts: Phi (9), the sum of the squared distances of the contacts from their desired points.
+
+Where a task leaves them out, each start is led to a pair of points that is proposed to it. It goes on from there as
+constraints and forces have it: nobody wants the contacts to be at these points, and Phi is zero.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +24,6 @@ class DesiredContacts(Cost, Projected):
     name = "desired contacts"
     descents: Descents = "targets"
 
-    def __init__(self, model: TaskModel) -> None:
-        self._on_faces = bool(np.any(model.desired_normals))
-
     def offsets(self, state: State) -> Residual:
         """Return c_i - c_desired_i, m, shape (3 n,)."""
         offsets = state.contacts.points - state.desired
@@ -33,7 +34,7 @@ class DesiredContacts(Cost, Projected):
         return 1e6 * float(values @ values), 2e6 * values @ jacobian
 
     def facings(self, state: State) -> Residual:
-        """Return n_pad + n of the flat face that the pad's desired point is on, dimensionless, shape (3 n,)."""
+        """Return n_pad + n of what each pad is to look at, dimensionless, shape (3 n,)."""
         flat = np.any(state.desired_normals, axis=1)
         values = np.where(flat[:, None], state.contacts.normals + state.desired_normals, 0.0)
         jacobian = np.where(flat[:, None, None], state.contacts.d_normals, 0.0)
@@ -42,7 +43,21 @@ class DesiredContacts(Cost, Projected):
     def projection(self, state: State, weight: float) -> Residual:
         """Return the distances, and that pads look at the faces that are meant: other faces do not let them go."""
         offsets = self.offsets(state).scaled(weight * PER_METRE)
-        if not self._on_faces:
+        if not np.any(state.desired_normals):
             return offsets
         facings = self.facings(state).scaled(weight * FACING)
         return Residual(*(np.concatenate(parts) for parts in zip(offsets, facings, strict=True)))
+
+
+class ProposedContacts(DesiredContacts):
+    """Nothing, in a task that desires no contacts: the projection alone draws them to those that are proposed."""
+
+    name = "proposed contacts"
+
+    def value(self, state: State) -> tuple[float, Array]:
+        return 0.0, np.zeros(len(state.x))
+
+
+def desired_contacts(model: TaskModel) -> DesiredContacts:
+    """Return the cost."""
+    return ProposedContacts() if model.task.desired_contacts is None else DesiredContacts()

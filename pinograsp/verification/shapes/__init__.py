@@ -7,22 +7,35 @@ A class gives the shape in its own frame; `PlacedShape` puts it into the world. 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import coal
 import numpy as np
 
 from ...arrays import Array
+from ...descriptions.regions import Region
 from ...descriptions.scene import Body
-from ...descriptions.shapes import Box, Capsule, Compound, Cone, Cylinder, Ellipsoid, ShapeDescription, Sphere
+from ...descriptions.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    Mesh,
+    ShapeDescription,
+    Sphere,
+)
+from ..outlines import Rubber
+from ..region_depth import least_depth
 from .box import BoxGeometry
 from .capsule import CapsuleGeometry
 from .compound import CompoundGeometry
 from .cone import ConeGeometry
-from .core import Core, Geometry
+from .core import Geometry
 from .cylinder import CylinderGeometry
 from .ellipsoid import EllipsoidGeometry
+from .mesh import MeshGeometry
 from .sphere import SphereGeometry
 
 GEOMETRY: dict[type[ShapeDescription], Callable[[Any], Geometry]] = {
@@ -32,6 +45,7 @@ GEOMETRY: dict[type[ShapeDescription], Callable[[Any], Geometry]] = {
     Capsule: CapsuleGeometry,
     Cone: ConeGeometry,
     Ellipsoid: EllipsoidGeometry,
+    Mesh: MeshGeometry,
     Compound: lambda shape: CompoundGeometry(shape, geometry_of),
 }
 """The geometry of each described shape, made from its description. A new shape is registered here."""
@@ -42,19 +56,32 @@ def geometry_of(shape: ShapeDescription) -> Geometry:
     return GEOMETRY[type(shape)](shape)
 
 
-@dataclass(frozen=True)
 class PlacedPart:
-    """A convex part of a body, in the world."""
+    """A part of a body, in the world.
 
-    name: str
-    """Of the body."""
-    center: Array
-    """Origin of the part's frame, m, shape (3,)."""
-    radius: float
-    """Of a ball about the centre that holds the part, m."""
-    cores: tuple[Core, ...]
-    placement: Any
-    """Pose of the part, for Coal."""
+    Args:
+        name: of the body.
+        geometry: of the part.
+        pose: of the part's frame, homogeneous, m, shape (4, 4).
+    """
+
+    def __init__(self, name: str, geometry: Geometry, pose: Array) -> None:
+        self.name = name
+        self.cores, self.hull = geometry.cores, geometry.hull
+        self._geometry, self._rotation, self._origin = geometry, pose[:3, :3], pose[:3, 3]
+        self.center = self._rotation @ geometry.middle + self._origin
+        self.radius = geometry.radius_about(geometry.middle)
+        """Of a ball about the centre that holds the part, m."""
+        self.members = geometry.members @ self._rotation.T + self._origin
+        """A point of every connected piece of the part, m, shape (pieces, 3)."""
+        self.vertices = geometry.vertices @ self._rotation.T + self._origin
+        """Corners of the part, of one without corners a point inside, m, shape (n, 3)."""
+        self.placement = coal.Transform3s(self._rotation, self._origin)
+        """Pose of the part, for Coal."""
+
+    def surrounds(self, points: Array) -> bool:
+        """Whether one of the points, shape (n, 3), m, is inside where no core would tell."""
+        return self._geometry.surrounds((points - self._origin) @ self._rotation)
 
 
 class PlacedShape:
@@ -65,16 +92,14 @@ class PlacedShape:
         self._geometry = geometry_of(body.shape)
         T = body.pose.matrix
         self._rotation, self.center = T[:3, :3], T[:3, 3]
-        self.radius = self._geometry.radius_about(np.zeros(3))
+        self.limits = self._geometry.limits
+        found = self._geometry.centroid
+        self.centroid = None if found is None else self._rotation @ found + self.center
+        """Centre of mass of the shape filled evenly, world, m, shape (3,); None where the description has it."""
         whole = ((self._geometry, np.eye(4)),)
         parts = self._geometry.parts if isinstance(self._geometry, CompoundGeometry) else whole
-        self.parts = tuple(self._part(geometry, T @ pose) for geometry, pose in parts)
-        """Convex parts, of which a link is as far as from the nearest."""
-
-    def _part(self, geometry: Geometry, pose: Array) -> PlacedPart:
-        R, center = pose[:3, :3], pose[:3, 3]
-        radius = geometry.radius_about(np.zeros(3))
-        return PlacedPart(self.name, center, radius, geometry.cores, coal.Transform3s(R, center))
+        self.parts = tuple(PlacedPart(name, geometry, T @ pose) for geometry, pose in parts)
+        """Parts, of which a link is as far as from the nearest."""
 
     def to_object(self, point: Array) -> Array:
         """Transform world points, shape (..., 3), into the frame of the body."""
@@ -92,9 +117,32 @@ class PlacedShape:
         """Radius of the least ball about a world point, shape (3,), that holds the shape, m."""
         return self._geometry.radius_about(self.to_object(point))
 
-    def face(self, point: Array) -> Array:
-        """Part of the surface in the tangent plane nearest to a world point (3,); world, shape (k, 3), m."""
-        return np.asarray(self._geometry.face(self.to_object(point)) @ self._rotation.T + self.center)
+    def distances(self, points: Array) -> Array:
+        """Signed distances of world points, shape (n, 3), to the surface, m, shape (n,)."""
+        return self._geometry.distances(self.to_object(points))
+
+    def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
+        """Return the vertices of a footprint, shape (k, 3): a point, the ends of a line, or a polygon in order; world.
+
+        Args:
+            pad_face: the pad's contact face: a point, the ends of a line, or the corners of a convex polygon in order,
+                world, shape (k, 3), m.
+            point: the contact point, world, shape (3,), m.
+            normal: unit normal of the tangent plane, world, shape (3,).
+        """
+        found = self._geometry.footprint(self.to_object(pad_face), self.to_object(point), normal @ self._rotation)
+        return np.asarray(found @ self._rotation.T + self.center)
+
+    def region_depth(self, region: Region, footprint: Array, rubber: Rubber) -> float:
+        """Return how deep the least deep part of the surface that a pad touches is in a region, m.
+
+        Args:
+            region: in the frame of the body.
+            footprint: of the contact, world, shape (k, 3), m.
+            rubber: of the contact, world.
+        """
+        touched = self._geometry.touched(rubber.moved(self._rotation, self.center))
+        return least_depth(region, touched if len(touched) else self.to_object(footprint))
 
     def edge(self, point: Array) -> float:
         """Distance of a world point (3,) from the edges of the face that it lies on, m; inf if it has none."""

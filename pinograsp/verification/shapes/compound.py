@@ -9,14 +9,15 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Compound, ShapeDescription
-from .core import Core, Geometry
+from ..outlines import Rubber
+from .core import FORMULA, ConvexGeometry, Core, Geometry
 
 COVERED = 1e-7
 """How deep in another part a line of a part's side is covered, m."""
 _STEPS, _CLOSE = 300, 1e-9
 
 
-class CompoundGeometry:
+class CompoundGeometry(ConvexGeometry):
     """Several parts at their poses.
 
     Outside, distances are exact. Inside, where parts overlap, they are no more than the depth below the surface. A line
@@ -27,10 +28,12 @@ class CompoundGeometry:
 
     def __init__(self, shape: Compound, geometry_of: Callable[[ShapeDescription], Geometry]) -> None:
         self.parts = tuple((geometry_of(part.shape), part.pose.matrix) for part in shape.parts)
+        yielding = [geometry.limits for geometry, _ in self.parts if geometry.limits.yields]
+        self.limits = yielding[0] if yielding else FORMULA
 
     def _local(self, number: int, point: Array) -> Array:
         T = self.parts[number][1]
-        return np.asarray(T[:3, :3].T @ (point - T[:3, 3]))
+        return np.asarray((point - T[:3, 3]) @ T[:3, :3])
 
     def _distance(self, number: int, point: Array) -> float:
         return self.parts[number][0].distance(self._local(number, point))
@@ -47,6 +50,27 @@ class CompoundGeometry:
         number = self._nearest(point)
         geometry, T = self.parts[number]
         return np.asarray(T[:3, :3] @ geometry.inward(self._local(number, point)))
+
+    def distances(self, points: Array) -> Array:
+        """Signed distances of points, shape (n, 3), shape (n,)."""
+        each = [geometry.distances((points - T[:3, 3]) @ T[:3, :3]) for geometry, T in self.parts]
+        return np.asarray(np.min(each, axis=0))
+
+    def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
+        """Return that of the nearest part, if pads yield to it."""
+        number = self._nearest(point)
+        geometry, T = self.parts[number]
+        if not geometry.limits.yields:
+            return super().footprint(pad_face, point, normal)
+        found = geometry.footprint(self._local(number, pad_face), self._local(number, point), normal @ T[:3, :3])
+        return np.asarray(found @ T[:3, :3].T + T[:3, 3])
+
+    def touched(self, rubber: Rubber) -> Array:
+        """Return that of all parts."""
+        each = [
+            geometry.touched(rubber.moved(T[:3, :3], T[:3, 3])) @ T[:3, :3].T + T[:3, 3] for geometry, T in self.parts
+        ]
+        return np.concatenate(each)
 
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds all parts."""

@@ -1,11 +1,15 @@
-"""Interface of the shapes: their geometry, and the bodies within them that Coal measures."""
+"""Interface of the shapes: their geometry, the bodies within them that Coal measures, and how contacts are judged."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from ...arrays import Array
+from ..footprint import footprint
+from ..outlines import Rubber
 
 PENETRATION = 2e-5
 """How deep a link may stick in the object, m: 0.02 mm."""
@@ -20,6 +24,24 @@ class Core:
     inset: float
 
 
+@dataclass(frozen=True)
+class Limits:
+    """What the figures of contacts allow, which is a matter of how exactly a surface is known."""
+
+    gap: float
+    """Distance of a contact point from the surface, m."""
+    region: float
+    """How far a footprint, or a contact point, may be outside its region, m."""
+    margin: float
+    """By how much links that are no pads may fall short of their margin, m."""
+    yields: bool
+    """Whether pads yield by their rubber's depth; else they are tangent to the surface and do not enter it."""
+
+
+FORMULA = Limits(gap=PENETRATION, region=0.0, margin=1e-6, yields=False)
+"""Of surfaces that are known by a formula."""
+
+
 class Geometry(Protocol):
     """A shape in its own frame; points have shape (3,), metres.
 
@@ -27,9 +49,28 @@ class Geometry(Protocol):
     """
 
     cores: tuple[Core, ...]
+    members: Array
+    """A point of every connected part of the shape, shape (parts, 3)."""
+    vertices: Array
+    """Corners of the surface, of one without corners a point inside, shape (n, 3)."""
+    middle: Array
+    """Centre of a ball that holds the shape, shape (3,)."""
+    limits: Limits
+    centroid: Array | None
+    """Centre of mass of the shape filled evenly, shape (3,); None where the description has it by a formula."""
+
+    @property
+    def hull(self) -> Core:
+        """A convex body; the shape is nowhere farther outside of it than its inset."""
 
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the surface, negative inside."""
+
+    def distances(self, points: Array) -> Array:
+        """Signed distances of points, shape (n, 3), to the surface, shape (n,)."""
+
+    def surrounds(self, points: Array) -> bool:
+        """Whether one of the points, shape (n, 3), is inside where no core would tell."""
 
     def inward(self, point: Array) -> Array:
         """Inward unit normal of the surface at its point nearest to `point`."""
@@ -43,5 +84,64 @@ class Geometry(Protocol):
         A point, the ends of a line, or the corners of a convex polygon in order, shape (k, 3).
         """
 
+    def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
+        """Return the vertices of a footprint, shape (k, 3): a point, the ends of a line, or a polygon in order.
+
+        Args:
+            pad_face: the pad's contact face: a point, the ends of a line, or the corners of a convex polygon in order,
+                shape (k, 3).
+            point: the contact point.
+            normal: unit normal of the tangent plane, shape (3,).
+        """
+
+    def touched(self, rubber: Rubber) -> Array:
+        """Return what of the surface rubber touches as it yields, as triangles, shape (n, 3, 3).
+
+        None of them if pads do not yield: they touch the footprint and no more.
+        """
+
     def edge(self, point: Array) -> float:
         """Distance of `point` from the edges of the face that it lies on; inf if the face has none."""
+
+
+class ConvexGeometry:
+    """What convex shapes with a formula share: their first core is the shape itself, or the shape less its inset."""
+
+    cores: tuple[Core, ...]
+    members: Array = np.zeros((1, 3))
+    vertices: Array = np.zeros((1, 3))
+    middle: Array = np.zeros(3)
+    limits: Limits = FORMULA
+    centroid: Array | None = None
+
+    @property
+    def hull(self) -> Core:
+        """The first core."""
+        return self.cores[0]
+
+    def distance(self, point: Array) -> float:
+        """Signed distance of a point to the surface, negative inside."""
+        raise NotImplementedError
+
+    def distances(self, points: Array) -> Array:
+        """Signed distances of points, shape (n, 3), to the surface, shape (n,)."""
+        return np.array([self.distance(point) for point in points])
+
+    def surrounds(self, points: Array) -> bool:
+        """Never: a mesh inside enters the first core."""
+        return False
+
+    def face(self, point: Array) -> Array:
+        """Part of the surface in the tangent plane at the surface point nearest to `point`.
+
+        A point, the ends of a line, or the corners of a convex polygon in order, shape (k, 3).
+        """
+        raise NotImplementedError
+
+    def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
+        """Return the common part of the contact faces of pad and shape."""
+        return footprint(pad_face, self.face(point), point, normal)
+
+    def touched(self, rubber: Rubber) -> Array:
+        """Return nothing: pads do not yield."""
+        return np.zeros((0, 3, 3))

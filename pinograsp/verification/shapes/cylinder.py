@@ -10,10 +10,10 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.shapes import Cylinder
 from .circle import circle
-from .core import PENETRATION, Core
+from .core import PENETRATION, ConvexGeometry, Core
 
 
-class CylinderGeometry:
+class CylinderGeometry(ConvexGeometry):
     """A cylinder around z. Its second core is the cylinder less the penetration that is allowed."""
 
     def __init__(self, shape: Cylinder) -> None:

@@ -9,10 +9,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Sphere
-from .core import Core
+from .core import ConvexGeometry, Core
 
 
-class SphereGeometry:
+class SphereGeometry(ConvexGeometry):
     """A ball. Its core is next to a point, so that penetration too is exact down to the centre."""
 
     def __init__(self, shape: Sphere) -> None:

@@ -1,0 +1,266 @@
+"""Distances of links to an object that is no union of convex solids: of points all over the links, with gradients.
+
+The surface of every convex solid of a link is divided into triangles with no edge longer than `spacing`; their corners
+are the points. Let m be the distance that is to be kept, and q the point of the solid that is nearest to the object,
+with o the point there. The way from q to o is perpendicular to what q lies on, a facet, an edge or a corner, and one of
+the points, p, lies on that at most spacing / sqrt(3) from q. So |p - o|^2 = |p - q|^2 + |q - o|^2, and
+
+    distance of all points >= sqrt(m^2 + spacing^2 / 3)    gives    |q - o| >= m:
+
+links are kept off the object, and whatever sticks out of the object is kept out of the links.
+
+With the signed distance d of the object and its gradient g at the nearest point p of a solid,
+
+    dd/dq = g . (velocity of p)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import coal
+import numpy as np
+
+from ..arrays import Array, Mask
+from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch
+from ..geometry.hulls import FlatError, Hull
+from ..geometry.patches import above, patch_point
+from ..geometry.point_trees import PointTrees, point_trees
+from ..geometry.primitives import primitive_triangles
+from ..geometry.shapes import Surface
+from ..geometry.tessellation import Tessellation, refined
+from ..kinematics.forward import Configuration
+from ..kinematics.robot import Pad, Robot
+from ..memo import remembered
+from .distances import REACH, Distances, distance_gradients
+from .pairs import PlacedSolid, pads_before
+from .solids import link_bodies
+from .world import Solid
+
+SPACING, COARSE = 0.0015, 0.006
+"""Longest edge between points of links that the hand moves or that carry it, and of the other links, m."""
+BACKING = 0.002
+"""Longest edge between points of what is behind a pad, m."""
+RUBBER, BACKED = 2.0, 0.0002
+"""Thickness of rubber, in parts of the depth by which it yields, and what its backing keeps from the object, m."""
+ROUNDED = 1.0 / 3.0
+"""Vertices of a solid that are nearer to each other than about this count as one, in parts of the points' spacing."""
+HIDDEN = 1e-5
+"""How deep in another solid of its link a point must be to be left out, m."""
+PAD_SPACING = 0.002
+"""Between points of the face of a pad, m."""
+
+
+class PointSet(NamedTuple):
+    """Points of a solid of a link, or of a part of a pad's face."""
+
+    link: str
+    joint: int
+    points: Array
+    """In the joint's frame, m, shape (n, 3)."""
+    pads: tuple[int, ...]
+    """Numbers of the pads whose surface bounds their solid."""
+    yields: bool
+    """Whether they belong to the rubber of these pads."""
+    apart: float
+    """Largest distance of a point of a facet from the nearest of them, m."""
+    within: float
+    """How far they may be within the solid, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectPoints:
+    """Sets of points with the distances that they keep from an object."""
+
+    robot: Robot
+    sets: tuple[PointSet, ...]
+    least: Array
+    """Least distance wanted of each set, m, shape (sets,)."""
+    trees: PointTrees
+
+    def distances(self, configuration: Configuration, surface: Surface, T_world_object: Array) -> Distances:
+        """Measure the sets that are nearer than `REACH` beyond their least distance.
+
+        Args:
+            configuration: of the robot.
+            surface: of the object, uneven.
+            T_world_object: pose of the object, shape (4, 4).
+        """
+        R, origin = T_world_object[:3, :3], T_world_object[:3, 3]
+        rotations = R.T @ configuration.rotations
+        translations = (configuration.translations - origin) @ R
+        caps = self.least + REACH
+        values, points = surface.nearest_points(self.trees, rotations, translations, caps)
+        indices = np.flatnonzero(values < caps)
+        normals = surface.signed_distance(points[indices])[1] @ R.T
+        moves = self.robot.supports[self.trees.bodies[indices]]
+        gradients = distance_gradients(
+            points[indices] @ R.T + origin, normals, configuration.jacobian, moves, self.robot.B
+        )
+        return Distances(indices, values[indices], gradients)
+
+
+def link_points(robot: Robot, margin: float) -> ObjectPoints:
+    """Return the points of what is to keep off an object: all of the links but what is behind pads.
+
+    Args:
+        robot: mounted, with the pads that are to touch the object.
+        margin: distance that solids are to keep, m.
+    """
+    sets, trees = _link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    return ObjectPoints(
+        robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees
+    )
+
+
+def pad_points(robot: Robot) -> ObjectPoints:
+    """Return the points of pads and of what is behind them.
+
+    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
+    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which
+    sides it is too deep.
+    """
+    depths = [pad.description.rubber_depth for pad in robot.pads]
+    sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    least = [
+        -min(depths[pad] for pad in found.pads) if found.yields else math.hypot(BACKED, found.apart) + found.within
+        for found in sets
+    ]
+    return ObjectPoints(robot, sets, np.array(least), trees)
+
+
+@remembered
+def _link_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    return _planted([found for found in _solid_sets(robot, pads) if not found.pads])
+
+
+@remembered
+def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    faces = [quarter for number, pad in enumerate(robot.with_pads(pads).pads) for quarter in _quarters(number, pad)]
+    return _planted([*faces, *(found for found in _solid_sets(robot, pads) if found.pads)])
+
+
+def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
+    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
+
+
+def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
+    """Return the points of all solids of links that move, given an unmounted robot and the names of its pads."""
+    padded, sets = robot.with_pads(pads), []
+    for body in link_bodies(robot):
+        if robot.supports[body.joint].any():
+            near = _near_the_hand(robot, body.joint)
+            for number, solid in enumerate(body.solids):
+                behind = pads_before(padded, PlacedSolid(number, body, solid))
+                spacing = BACKING if behind else SPACING if near else COARSE
+                points, within = _on_solid(robot, body.name, number, spacing)
+                rubber = _in_rubber(padded, behind, points)
+                for yields in (True, False):
+                    some = points[rubber == yields]
+                    if len(some):
+                        apart = spacing / math.sqrt(3.0)
+                        sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within))
+    return sets
+
+
+def _in_rubber(robot: Robot, pads: tuple[int, ...], points: Array) -> Mask:
+    """Return which points behind pads, joint's frame, shape (n, 3), belong to the rubber of one of them."""
+    inside = np.zeros(len(points), dtype=bool)
+    for pad in (robot.pads[number] for number in pads):
+        heights = above(pad.patch, (points - pad.translation) @ pad.rotation)
+        inside |= heights > -RUBBER * pad.description.rubber_depth
+    return inside
+
+
+def _near_the_hand(robot: Robot, joint: int) -> bool:
+    """Return whether a link moves with the wrist or with the hand."""
+    wrist = robot.model.frames[robot.wrist_frame].parentJoint
+    return bool((robot.supports[joint] >= robot.supports[wrist]).all())
+
+
+@remembered
+def _on_solid(robot: Robot, link: str, number: int, spacing: float) -> tuple[Array, float]:
+    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far they may be within it, m.
+
+    Those within another solid of the link are left out: that one has points farther out.
+    """
+    [body] = [body for body in link_bodies(robot) if body.name == link]
+    points, within = _on(body.solids[number], spacing)
+    for i, (solid, hull) in enumerate(zip(body.solids, _hulls(robot, link), strict=True)):
+        if i != number and hull is not None:
+            R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
+            points = points[~hull.holds((points - origin) @ R, HIDDEN)]
+    return points, within
+
+
+@remembered
+def _hulls(robot: Robot, link: str) -> list[Hull | None]:
+    """Return the hulls of the solids of a link, in their frames; None of those that are round."""
+    [body] = [body for body in link_bodies(robot) if body.name == link]
+    shapes = [solid.shape for solid in body.solids]
+    return [Hull(np.array(shape.points())) if isinstance(shape, coal.ConvexBase) else None for shape in shapes]
+
+
+def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
+    shape, within = solid.shape, 0.0
+    if isinstance(shape, coal.Sphere):
+        corners = primitive_triangles("sphere", (shape.radius,))
+    elif isinstance(shape, coal.Cylinder):
+        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength))
+    else:
+        corners, within = _simplified(np.array(shape.points()), ROUNDED * spacing)
+    triangles = np.arange(3 * len(corners)).reshape(-1, 3)
+    points = refined(Tessellation(corners.reshape(-1, 3), triangles), spacing).vertices
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
+
+
+def _simplified(vertices: Array, cell: float) -> tuple[Array, float]:
+    """Return the facets of a hull of fewer of its vertices, shape (n, 3, 3), and how far others stand out of it, m.
+
+    Of vertices in one cubic cell of an edge, m, one is left: the narrow facets between them would have more points than
+    all others.
+    """
+    _, kept = np.unique(np.floor(vertices / cell), axis=0, return_index=True)
+    try:
+        hull = Hull(vertices[kept])
+    except FlatError:
+        return Hull(vertices).triangles, 0.0
+    return hull.triangles, max(0.0, float(hull.outside(vertices).max()))
+
+
+def _quarters(number: int, pad: Pad) -> list[PointSet]:
+    """Return points of the four quarters of a pad's face."""
+    first, second = _ranges(pad.patch)
+    found = []
+    for u in _halves(*first):
+        for v in _halves(*second):
+            grid = np.array([_face_point(pad.patch, a, b) for a in u for b in v])
+            points = grid @ pad.rotation.T + pad.translation
+            found.append(PointSet(pad.description.link, pad.joint, points, (number,), True, 0.0, 0.0))
+    return found
+
+
+def _ranges(patch: Patch) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return the ranges of two parameters that span the face of a patch, each with metres a unit."""
+    if isinstance(patch, LinePatch):
+        return (*patch.u, 1.0), (-0.5 * patch.width, 0.5 * patch.width, 1.0)
+    if isinstance(patch, PlanePatch):
+        return (*patch.u, 1.0), (*patch.v, 1.0)
+    if isinstance(patch, CylinderPatch):
+        return (*patch.u, 1.0), (*patch.v, patch.radius)
+    return (*patch.u, patch.radius), (*patch.v, patch.radius)
+
+
+def _halves(low: float, high: float, length: float) -> list[Array]:
+    """Return values from the lower end to the middle and from there to the upper end, at most `PAD_SPACING` apart."""
+    middle, count = 0.5 * (low + high), 1 + math.ceil(0.5 * (high - low) * length / PAD_SPACING)
+    return [np.linspace(low, middle, count), np.linspace(middle, high, count)]
+
+
+def _face_point(patch: Patch, u: float, v: float) -> Array:
+    """Return a point of the face, patch frame, m, shape (3,)."""
+    if isinstance(patch, LinePatch):
+        return np.array([u, v, 0.0])
+    return patch_point(patch, np.array([u, v])).point

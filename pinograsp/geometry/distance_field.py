@@ -1,0 +1,230 @@
+"""The signed distance of a mesh as a smooth function of space, and the normal that a pad feels.
+
+Two fields, each twice continuously differentiable (see `lattice`):
+
+    d(p)    signed distance: exact at the nodes of a fine lattice within `EXACT` spacings of the surface
+    s(p)    d convolved with a Gaussian of standard deviation sigma (see `descriptions.mesh_contact`);
+            its gradient g gives the footprint normal n = g / |g|, dn/dp = (I - n n^T) Hess s / |g|
+
+Farther from the surface the values at the nodes go over, until `BLENDED` spacings from it, to those of a coarse lattice
+that reaches `AROUND` beyond the body. A fine node there has the value of the coarse spline, so that both functions are
+the same where the fine lattice ends. Beyond the coarse lattice, with q the nearest point of it to p,
+
+    d(p) = d(q) + |p - q|     an upper bound of the distance;     AROUND + |p - q| is a lower one.
+
+Signs: the segment between two nodes that are farther from the surface, together, than from each other does not cross
+it. So nodes are joined to regions of one sign, and only one node of each region, and those next to the surface, are
+asked whether the surface goes around them.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, label, maximum_position
+
+from ..arrays import Array, Integers
+from ..compiled import compiled
+from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
+from .exact_distance import ExactDistance
+from .hulls import areas
+from .lattice import RIM, Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
+
+VERSION = 4
+"""Of how fields are made; to be raised with every change that gives others."""
+
+EXACT, BLENDED = 4.0, 6.0
+"""Distances from the surface up to which nodes are exact, and from which on they are those of the coarse lattice, in
+spacings."""
+MARGIN = 8
+"""Spacings from the body to where the fine lattice ends."""
+FINEST, MOST_NODES = 0.0005, 3_500_000
+"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
+COARSE_NODES = 60_000
+AROUND = 0.1
+"""How far the coarse lattice reaches beyond the body, m."""
+_TRUNCATED = 3.0
+"""Standard deviations where the Gaussian ends."""
+
+
+class DistanceField(NamedTuple):
+    """Splines of both fields; frame of the mesh."""
+
+    distance: Lattice
+    smoothed: Lattice
+    coarse: Lattice
+    error: float
+    """Largest difference of the coarse lattice from the distance at the fine nodes near the surface, m."""
+
+
+def footprint_sigma(exact: ExactDistance, vertices: Array, faces: Integers) -> float:
+    """Return the standard deviation sigma that the thickness of a body allows, m: see `descriptions.mesh_contact`."""
+    triangles = vertices[faces[:: math.ceil(len(faces) / FACES)]]
+    sizes = areas(triangles)
+    a, b, c = triangles[sizes > 0.0].transpose(1, 0, 2)
+    sizes = sizes[sizes > 0.0]
+    normals = np.cross(b - a, c - a) / (2.0 * sizes[:, None])
+    for sigma in SIGMAS[:-1]:
+        thick = np.ones(len(sizes), dtype=bool)
+        for depth in (sigma, 2.0 * sigma):
+            thick[thick] = exact.inside(((a + b + c) / 3.0 - depth * normals)[thick])
+        if sizes[thick].sum() >= THICK_SHARE * sizes.sum():
+            return sigma
+    return SIGMAS[-1]
+
+
+def distance_field(vertices: Array, faces: Integers, sigma: float) -> DistanceField:
+    """Return the fields of a closed mesh.
+
+    Args:
+        vertices: shape (v, 3), m.
+        faces: corners counter-clockwise seen from outside, shape (f, 3).
+        sigma: standard deviation of the Gaussian, m.
+    """
+    exact = ExactDistance(vertices, faces)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    coarse = _coarse(exact, low, high)
+    h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
+    reach = MARGIN + 1 + RIM
+    counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
+    origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
+    values = _coarse_values(coarse, origin, h, counts)
+    near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.3 * coarse.spacing)
+    distances = np.abs(values.ravel())
+    distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
+    signs = _signs(exact, distances.reshape(counts), origin, h)
+    exactly = signs.ravel()[near] * distances[near]
+    error = float(np.abs(values.ravel()[near] - exactly).max())
+    share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
+    share = share * share * (3.0 - 2.0 * share)
+    flat = values.ravel()
+    flat[near] = share * flat[near] + (1.0 - share) * exactly
+    smooth = gaussian_filter(values, sigma / h, truncate=_TRUNCATED)
+    return DistanceField(lattice_of(values, origin, h), lattice_of(smooth, origin, h), coarse, error)
+
+
+def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
+    size = high - low + 2.0 * AROUND
+    h = _spacing_of(size, COARSE_NODES, 3)
+    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * RIM).tolist())
+    origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
+    distances = exact.unsigned(nodes(origin, h, counts)).reshape(counts)
+    return lattice_of(_signs(exact, distances, origin, h) * distances, origin, h)
+
+
+def _spacing_of(size: Array, most: int, further: int) -> float:
+    """Return the spacing at which a box, with some further nodes along each axis, has a number of nodes."""
+    low, high = 0.0, float(size.max())
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if np.prod(size / middle + further) > most else (low, middle)
+    return high
+
+
+def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> NDArray[np.float64]:
+    """Return 1 outside and -1 inside at the nodes of a lattice, given their unsigned distances, shape (nx, ny, nz)."""
+    regions, count = label(distances > 0.501 * h)
+    signs = np.where(regions > 0, 1.0, 0.0)
+    if count:
+        farthest = np.array(maximum_position(distances, regions, np.arange(1, count + 1)), dtype=np.float64)
+        inside = exact.inside(origin + h * farthest)
+        signs[np.concatenate([[False], inside])[regions]] = -1.0
+    close = np.argwhere(regions == 0)
+    close = close[((close > 0) & (close < np.array(signs.shape) - 1)).all(axis=1)]
+    for step in product((-1, 0, 1), repeat=3):
+        beside = tuple((close + step).T)
+        apart = 1.001 * h * math.sqrt(sum(map(abs, step)))
+        joined = (regions[beside] > 0) & (distances[beside] + distances[tuple(close.T)] > apart)
+        signs[tuple(close[joined].T)] = signs[beside][joined]
+        close = close[~joined]
+    unknown = np.argwhere(signs == 0.0)
+    signs[tuple(unknown.T)] = np.where(exact.inside(origin + h * unknown), -1.0, 1.0)
+    return signs
+
+
+def _some_nodes(origin: Array, h: float, counts: tuple[int, ...], which: NDArray[np.intp]) -> Array:
+    """Return some nodes of a lattice by their number, shape (n, 3), m."""
+    return np.asarray(origin + h * np.column_stack(np.unravel_index(which, counts)))
+
+
+@compiled
+def _coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, int, int]) -> Array:
+    values = np.empty(counts)
+    for i in range(counts[0]):
+        for j in range(counts[1]):
+            for k in range(counts[2]):
+                values[i, j, k] = value_at(coarse, origin[0] + i * h, origin[1] + j * h, origin[2] + k * h)
+    return values
+
+
+@compiled
+def distance_below(field: DistanceField, x: float, y: float, z: float, most: float) -> float:
+    """Return the signed distance of a point if it is less than `most`, else a lower bound of it that is no less, m.
+
+    Of most points the coarse lattice tells that, which is small enough to stay in the processor's cache.
+    """
+    if not covers(field.coarse, x, y, z):
+        return AROUND + distance_beyond(field.coarse, x, y, z)
+    value = value_at(field.coarse, x, y, z)
+    if value - field.error >= most:
+        return value - field.error
+    return value_at(field.distance, x, y, z) if covers(field.distance, x, y, z) else value
+
+
+@compiled
+def _derivatives(field: DistanceField, fine: Lattice, point: Array, gradient: Array, hessian: Array) -> float:
+    """Return the value of a field at a point; write gradient and Hessian."""
+    x, y, z = point[0], point[1], point[2]
+    if covers(fine, x, y, z):
+        return derivatives_at(fine, x, y, z, gradient, hessian)
+    if covers(field.coarse, x, y, z):
+        return derivatives_at(field.coarse, x, y, z, gradient, hessian)
+    nearest, beyond = np.empty(3), distance_beyond(field.coarse, x, y, z)
+    for i in range(3):
+        low = field.coarse.origin[i] + field.coarse.spacing
+        high = field.coarse.origin[i] + field.coarse.spacing * (field.coarse.coefficients.shape[i] - 2)
+        nearest[i] = min(max(point[i], low), high)
+    value = derivatives_at(field.coarse, nearest[0], nearest[1], nearest[2], gradient, hessian)
+    for i in range(3):
+        if point[i] != nearest[i]:  # d(q) does not change with this coordinate
+            gradient[i] = (point[i] - nearest[i]) / beyond
+            hessian[i, :] = 0.0
+            hessian[:, i] = 0.0
+    for i in range(3):
+        for j in range(3):
+            if point[i] != nearest[i] and point[j] != nearest[j]:
+                hessian[i, j] = ((1.0 if i == j else 0.0) - gradient[i] * gradient[j]) / beyond
+    return value + beyond
+
+
+@compiled
+def field_distances(field: DistanceField, points: Array) -> tuple[Array, Array, Array]:
+    """Return d (n,), its gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3), m."""
+    n = len(points)
+    values, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        values[i] = _derivatives(field, field.distance, points[i], gradients[i], hessians[i])
+    return values, gradients, hessians
+
+
+@compiled
+def field_normals(field: DistanceField, points: Array) -> tuple[Array, Array]:
+    """Return the footprint normals (n, 3) and their derivatives (n, 3, 3) at points (n, 3), m."""
+    n = len(points)
+    normals, derivatives = np.empty((n, 3)), np.empty((n, 3, 3))
+    hessian = np.empty((3, 3))
+    for i in range(n):
+        normal = normals[i]
+        _derivatives(field, field.smoothed, points[i], normal, hessian)
+        length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        for a in range(3):
+            normal[a] /= length
+        for b in range(3):
+            along = normal[0] * hessian[0, b] + normal[1] * hessian[1, b] + normal[2] * hessian[2, b]
+            for a in range(3):
+                derivatives[i, a, b] = (hessian[a, b] - normal[a] * along) / length
+    return normals, derivatives

@@ -1,0 +1,38 @@
+"""Exact signed distances to the triangles of a closed body."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+
+from ..arrays import Array, Integers, Mask
+
+
+class ExactDistance:
+    """Distances to triangles and their nearest points; a point is inside if the surface goes around it.
+
+    Args:
+        vertices: shape (v, 3), m.
+        faces: corners counter-clockwise seen from outside, shape (f, 3).
+    """
+
+    def __init__(self, vertices: Array, faces: Integers) -> None:
+        self._vertices = np.ascontiguousarray(vertices, dtype=np.float64)
+        self._faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self._tree = igl.AABB()
+        self._tree.init(self._vertices, self._faces)
+        self._around = igl.FastWindingNumberBVH()
+        self._around.init(self._vertices, self._faces)
+
+    def unsigned(self, points: Array) -> Array:
+        """Return the distances of points, shape (n, 3), to the surface, m, shape (n,)."""
+        squares = self._tree.squared_distance(self._vertices, self._faces, np.ascontiguousarray(points))[0]
+        return np.asarray(np.sqrt(squares))
+
+    def inside(self, points: Array) -> Mask:
+        """Return which of the points, shape (n, 3), are inside: small holes do not spoil it."""
+        return np.asarray(self._around.winding_number(np.ascontiguousarray(points)) > 0.5)
+
+    def signed(self, points: Array) -> Array:
+        """Return the signed distances of points, shape (n, 3), negative inside, m, shape (n,)."""
+        return np.where(self.inside(points), -1.0, 1.0) * self.unsigned(points)

@@ -1,0 +1,130 @@
+"""Points that are fixed to bodies, in trees of balls: the one nearest to a surface is found without most others.
+
+A ball around some points holds them; the signed distance d of its centre less its radius is no more than that of any
+of them, since d grows by no more than the way. The children of a ball are looked at nearest first, and left out if they
+cannot hold anything nearer than what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, Indices
+from ..compiled import compiled
+from .distance_field import DistanceField, distance_below
+
+LEAF = 16
+"""Points of a ball that is not divided any more, at most."""
+_DEPTH = 64
+
+
+class PointTrees(NamedTuple):
+    """Sets of points, each in a tree of balls; in the frames of their bodies."""
+
+    bodies: Indices
+    """Number of the body that each set is fixed to, shape (sets,)."""
+    roots: Indices
+    """Ball of each set that holds all of it, shape (sets,)."""
+    centers: Array
+    """Of the balls, m, shape (balls, 3)."""
+    radii: Array
+    """m, shape (balls,)."""
+    parts: Indices
+    """Two children of a ball; if it is not divided, its first point and -1 less their number; shape (balls, 2)."""
+    points: Array
+    """m, shape (points, 3)."""
+
+
+def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
+    """Return trees of sets of points, each of shape (n, 3), n > 0, which are fixed to bodies."""
+    centers: list[Array] = []
+    radii: list[float] = []
+    parts: list[tuple[int, int]] = []
+    ordered: list[Array] = []
+    count = 0
+
+    def ball(points: Array) -> int:
+        nonlocal count
+        number = len(centers)
+        low, high = points.min(axis=0), points.max(axis=0)
+        center = 0.5 * (low + high)
+        centers.append(center)
+        radii.append(float(np.sqrt(((points - center) ** 2).sum(axis=1).max())))
+        parts.append((count, -1 - len(points)))
+        if len(points) <= LEAF:
+            ordered.append(points)
+            count += len(points)
+            return number
+        order = points[:, int((high - low).argmax())].argsort(kind="stable")
+        half = len(points) // 2
+        parts[number] = ball(points[order[:half]]), ball(points[order[half:]])
+        return number
+
+    roots = [ball(points) for points in sets]
+    return PointTrees(
+        np.array(bodies, dtype=np.intp),
+        np.array(roots, dtype=np.intp),
+        np.array(centers).reshape(-1, 3),
+        np.array(radii),
+        np.array(parts, dtype=np.intp).reshape(-1, 2),
+        np.concatenate([*ordered, np.zeros((0, 3))]),
+    )
+
+
+@compiled
+def nearest_points(
+    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, caps: Array
+) -> tuple[Array, Array]:
+    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
+
+    Args:
+        trees: the sets.
+        field: of the surface.
+        rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
+        translations: of these, m, shape (bodies, 3).
+        caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
+    """
+    values, nearest = caps.copy(), np.zeros((len(caps), 3))
+    waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
+    for number in range(len(caps)):
+        R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
+        waiting[0], bounds[0] = trees.roots[number], -np.inf
+        count = 1
+        while count:
+            count -= 1
+            if bounds[count] >= values[number]:
+                continue
+            first, second = trees.parts[waiting[count]]
+            if second < 0:
+                for k in range(first, first - 1 - second):
+                    x, y, z = _moved(R, t, trees.points[k])
+                    value = distance_below(field, x, y, z, values[number])
+                    if value < values[number]:
+                        values[number] = value
+                        nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
+                continue
+            x, y, z = _moved(R, t, trees.centers[first])
+            radius = trees.radii[first]
+            one = distance_below(field, x, y, z, values[number] + radius) - radius
+            x, y, z = _moved(R, t, trees.centers[second])
+            radius = trees.radii[second]
+            other = distance_below(field, x, y, z, values[number] + radius) - radius
+            if one < other:  # the nearer one is taken first: it comes last
+                first, second, one, other = second, first, other, one
+            waiting[count], bounds[count] = first, one
+            waiting[count + 1], bounds[count + 1] = second, other
+            count += 2
+    return values, nearest
+
+
+@compiled
+def _moved(R: Array, t: Array, point: Array) -> tuple[float, float, float]:
+    a, b, c = point[0], point[1], point[2]
+    return (
+        R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + t[0],
+        R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + t[1],
+        R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + t[2],
+    )

@@ -1,0 +1,54 @@
+"""Pad depth: pads, and what is behind them, are no deeper in an uneven object than their rubber yields.
+
+A row is the least distance of the points of a set, above minus the depth of the rubber, bent as in `clearance`: a
+quarter of a pad's face, or a solid behind pads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...collision.distances import REACH
+from ...collision.object_points import pad_points
+from ...collision.pairs import PAD_CLEARANCE
+from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
+from ..state import State
+from ..task_model import TaskModel
+from .clearance import bend
+
+
+class PadDepth(Inside):
+    """Distance of pads to the object, above that at which they are as deep in it as they may be, m."""
+
+    name = "pad depth"
+    figures: Mapping[str, str] = {PAD_CLEARANCE: "mm"}
+    descents: Descents = "clearances"
+    scale = PER_METRE
+    least = 0.0
+
+    def __init__(self, model: TaskModel) -> None:
+        self._points = pad_points(model.robot)
+        self.rows = tuple(f"pad depth of {found.link}, {i + 1}" for i, found in enumerate(self._points.sets))
+        self._links = [f"{found.link} - {model.task.object}" for found in self._points.sets]
+
+    def inside(self, state: State) -> Residual:
+        measured = state.to_object(self._points)
+        values = np.full(len(self.rows), bend(REACH, REACH)[0])
+        jacobian = np.zeros((len(self.rows), len(state.x)))
+        for row, above, gradient in zip(
+            measured.indices, measured.values - self._points.least[measured.indices], measured.gradients, strict=True
+        ):
+            values[row], slope = bend(above, REACH)
+            jacobian[row, : len(gradient)] = slope * gradient
+        return Residual(values, jacobian)
+
+    def violations(self, state: State) -> list[Violation]:
+        found = self.largest_violation(state, "mm", 1e3, self._links)
+        return [Violation(PAD_CLEARANCE, found.value, found.unit, found.where, found.size)]
+
+
+def pad_depth(model: TaskModel) -> PadDepth | None:
+    """Return the constraint, or None if pads are tangent to the object's surface."""
+    return PadDepth(model) if model.surface.uneven else None

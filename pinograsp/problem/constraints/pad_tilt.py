@@ -1,0 +1,111 @@
+"""Pad tilt: pads lie on the mean of an uneven surface up to what their rubber evens out.
+
+With the depth delta of the rubber and half sides a along x and b along y of a pad, the outward footprint normal n of
+the object, in the pad's frame (x, y, outward), keeps
+
+    |n_x| <= -(delta / a) n_z,    |n_y| <= -(delta / b) n_z
+
+which are four linear inequalities, and which only a normal that faces the pad can keep: n_z < 0. On a curved pad the
+frame is that of the contact: x along a cylinder, y around it; on a ball, around which no direction is special,
+|n_pad + n|^2 <= (delta / radius)^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...arrays import Array, cross
+from ...descriptions.patches import CylinderPatch, LinePatch, Patch, SpherePatch
+from ...kinematics.robot import Pad
+from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
+from ..state import State
+from ..task_model import TaskModel
+from .pad_tangency import PROJECTED, tilt_of, violation_of
+
+SMALLEST = 0.001
+"""Half side that a pad has at least, m: a line has some rubber beside it."""
+
+
+class PadTilt(Inside):
+    """How far the footprint normal is within its cone, rad-like."""
+
+    name = "pad tangency"
+    figures: Mapping[str, str] = {"pad tangency": "deg"}
+    descents: Descents = "every"
+    least = 0.0
+
+    def __init__(self, model: TaskModel) -> None:
+        self._pads = model.robot.pads
+        self._rho = model.load.rho
+        self.scale = PER_METRE * self._rho
+        self._slopes = [pad.description.rubber_depth / half_sides(pad.patch) for pad in self._pads]
+        names = [(pad.description.name, ["1"] if _round(pad) else ["x", "-x", "y", "-y"]) for pad in self._pads]
+        self._owners = [pad for pad, (_, sides) in enumerate(names) for _ in sides]
+        self.rows = tuple(f"pad tilt of {pad}, {side}" for pad, sides in names for side in sides)
+
+    def inside(self, state: State) -> Residual:
+        values, jacobian = np.empty(len(self.rows)), np.empty((len(self.rows), len(state.x)))
+        normals, turning = state.footprint
+        contacts, row = state.contacts, 0
+        for i, pad in enumerate(self._pads):
+            n, d_n = normals[i], turning[i] @ contacts.d_points[i]
+            up, d_up = contacts.normals[i], contacts.d_normals[i]
+            if _round(pad):
+                slope = float(self._slopes[i][0])
+                apart = n + up
+                values[row] = 0.5 * (slope * slope - apart @ apart) / slope
+                jacobian[row] = -(apart @ (d_n + d_up)) / slope
+                row += 1
+                continue
+            facing, d_facing = -(n @ up), -(up @ d_n + n @ d_up)
+            x, d_x = self._axis(state, pad)
+            y, d_y = cross(up, x), cross(d_up.T, x).T - cross(d_x.T, up).T
+            for slope, axis, d_axis in zip(self._slopes[i], (x, y), (d_x, d_y), strict=True):
+                tilt, d_tilt = n @ axis, axis @ d_n + n @ d_axis
+                values[row], jacobian[row] = slope * facing - tilt, slope * d_facing - d_tilt
+                values[row + 1], jacobian[row + 1] = slope * facing + tilt, slope * d_facing + d_tilt
+                row += 2
+        return Residual(values, jacobian)
+
+    def _axis(self, state: State, pad: Pad) -> tuple[Array, Array]:
+        """Return the x axis of a patch, world, and its derivative in x, shape (3, v)."""
+        robot, configuration = state.model.robot, state.configuration
+        x = configuration.rotations[pad.joint] @ pad.rotation[:, 0]
+        rates = (configuration.jacobian[3:] * robot.supports[pad.joint]) @ robot.B
+        d_x = np.zeros((3, len(state.x)))
+        d_x[:, : rates.shape[1]] = cross(rates.T, x).T
+        return x, d_x
+
+    def projection(self, state: State, weight: float) -> Residual:
+        """Return n_pad + n: starts are led to the middle of the cone."""
+        return tilt_of(state).scaled(weight * PROJECTED)
+
+    def violations(self, state: State) -> list[Violation]:
+        """Return the tilt of the pad that is worst, if it is outside its cone."""
+        above = self.inside(state).values
+        worst = self._owners[int(above.argmin())]
+        return [violation_of(state, worst, self._rho, kept=bool(above.min() >= -1e-6))]
+
+
+def half_sides(patch: Patch) -> Array:
+    """Return half the sides of a patch along x and y, those of curved ones their radius, m, shape (2,)."""
+    first, second = patch.parameters[0], patch.parameters[-1]
+    along = 0.5 * (first[1] - first[0])
+    if isinstance(patch, SpherePatch):
+        sides = (patch.radius, patch.radius)
+    elif isinstance(patch, CylinderPatch):
+        sides = (along, patch.radius)
+    else:
+        sides = (along, 0.5 * (patch.width if isinstance(patch, LinePatch) else second[1] - second[0]))
+    return np.maximum(sides, SMALLEST)
+
+
+def _round(pad: Pad) -> bool:
+    return isinstance(pad.patch, SpherePatch)
+
+
+def pad_tilt(model: TaskModel) -> PadTilt | None:
+    """Return the constraint, or None if pads are tangent to the object's surface."""
+    return PadTilt(model) if model.surface.uneven else None

@@ -1,0 +1,253 @@
+"""Where to touch, if nobody says: pairs of opposite points that the hand can hold between two of its pads.
+
+Points are drawn on the surface, and each gets its opposite one. What is left of them
+
+    is opposite       normals that pads can be tangent to: for pads that stay parallel opposite, on an uneven surface as
+                      far as rubber yields, and within the friction cones about the line that joins the points
+    fits the jaw      as far apart as the pads can be
+    may be touched    both points in the contact region, and as far from edges as the task's reserve; of an uneven
+                      surface where it is about as tilted itself as what a pad feels
+    holds the pads    at one of eight turns about the normal, and one of nine places on the pad: nothing of the object
+                      is in pads or fingers, and the footprint is in the region
+    can be got at     there, no wall, obstacle or other object is in a finger or the wrist, and the approach is wanted
+
+is put in an order in which each pair is as far as possible from those before it, the first one near the centre of mass.
+All but the last holds wherever the object stands.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import TaskError
+from ..frozen import Record
+from ..geometry.antipodal import Pairs, opposite_points
+from ..geometry.contact_faces import edge_distance
+from ..geometry.shapes import surface_of
+from ..kinematics.reach import arm_reach
+from .constraints.pad_tilt import half_sides
+from .desired import DesiredPoints
+from .pair_holds import TURNS, HoldFinder, Holds
+from .task_model import TaskModel
+
+DRAWN, DRAWS = 400, 10
+"""Points that are drawn at once, and how often at most."""
+LOOKED_AT = 120
+"""Pairs that are tried with the pads, at most, and as many of those near edges."""
+KEPT = 48
+"""Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
+PARALLEL = math.radians(0.5)
+"""Greatest angle between a normal and the opposite of the other one for pads that stay parallel, rad."""
+EDGE = math.radians(12.0)
+"""Angle between the normal of an uneven surface and what a pad feels from which on there is an edge, rad."""
+ROOM = 0.006
+"""Pairs nearer than this to an edge are proposed only if no other one can be got at, m.
+
+From there contacts slide over the edge: of starts that are led to such pairs half fail. So do those that fit at
+the rim of a pad alone.
+"""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactPair(Record):
+    """Two opposite points of an object that two pads can touch."""
+
+    points: Array
+    """On the object's surface, in its frame, m, shape (2, 3); a task's `desired_contacts` may be these."""
+    normals: Array
+    """Outward normals there, unit vectors, object's frame, shape (2, 3)."""
+    width: float
+    """How far apart the pads are that hold it, m."""
+
+
+class Candidate(NamedTuple):
+    """A pair that fits the hand."""
+
+    pair: ContactPair
+    holds: Holds
+    roomy: bool
+    """Whether it is far from edges, and may be in the middle of a pad."""
+
+    def desired(self, model: TaskModel) -> DesiredPoints:
+        """Return the points, and that pads are to look at them, where the object of a task stands."""
+        R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+        return DesiredPoints(self.pair.points @ R.T + origin, self.pair.normals @ R.T)
+
+
+class Proposals:
+    """Pairs for a task, wherever its object stands.
+
+    Args:
+        model: the task.
+        seed: of what is drawn.
+
+    Raises:
+        TaskError: the hand has not two pads, or nothing suits it; the message says why.
+    """
+
+    def __init__(self, model: TaskModel, seed: int) -> None:
+        pads = len(model.robot.pads)
+        if pads != 2:
+            raise TaskError(
+                f"contacts are proposed for two pads, and {pads} are to touch {model.task.object!r}",
+                file=model.scene.source,
+                key=f"tasks.{model.task_name}.desired_contacts",
+                remedy="Give a desired contact for each pad, or name two of them in `pads`",
+            )
+        self._model = model
+        self._finder = HoldFinder(model)
+        self._tilt = PARALLEL
+        if model.surface.uneven:
+            halves = [half_sides(pad.patch).max() for pad in model.robot.pads]
+            depths = [pad.rubber_depth for pad in model.robot.description.pads]
+            self._tilt = float(np.arctan2(depths, halves).sum())
+        found = self._found(np.random.default_rng(seed))
+        self.candidates = tuple(c for roomy in (True, False) for c in self._spread(found, roomy))
+        """Each as far as possible from those before it, those near edges last."""
+
+    def here(self, model: TaskModel, most: int) -> tuple[Candidate, ...]:
+        """Return up to `most` candidates that can be got at where the object stands now, in their order.
+
+        Args:
+            model: the task, its object moved or not.
+            most: number of candidates.
+
+        Raises:
+            TaskError: there is none.
+        """
+        for roomy in (True, False):
+            there = (c for c in self.candidates if c.roomy == roomy and _can_be_got_at(model, c))
+            if free := tuple(islice(there, most)):
+                return free
+        raise TaskError(
+            f"the hand gets at none of {len(self.candidates)} pairs of opposite points of {model.task.object!r} that "
+            "fit it: walls, obstacles or other objects are in the way, or it is too far",
+            file=model.scene.source,
+            key=f"objects.{model.task.object}.pose",
+            remedy="Move the object, or widen `approach` if the task has one",
+        )
+
+    def _found(self, rng: np.random.Generator) -> list[Candidate]:
+        """Return what fits, of as many points as it takes."""
+        found: list[Candidate] = []
+        tried, reason = {True: 0, False: 0}, _Reason("", "")
+        for _ in range(DRAWS):
+            pairs = self._suitable(opposite_points(self._model.surface, DRAWN, rng))
+            if isinstance(pairs, _Reason):
+                reason = pairs
+                continue
+            rooms = self._rooms(pairs)
+            for number in rng.permutation(np.flatnonzero(rooms >= self._model.task.reserve.rim)).tolist():
+                pair, roomy = pairs.at(np.array([number])), bool(rooms[number] >= ROOM)
+                if tried[roomy] < LOOKED_AT:
+                    tried[roomy] += 1
+                    holds = self._finder.holds(pair)
+                    if holds is not None:
+                        record = ContactPair(pair.points[0], pair.normals[0], float(pair.widths[0]))
+                        found.append(Candidate(record, holds, roomy and holds.central))
+            if tried[True] == LOOKED_AT:
+                break
+        if any(tried.values()):
+            reason = _Reason("no face is there that a pad fits on", "Use a gripper with smaller pads")
+        elif not reason.problem:
+            reason = _Reason("all opposite points are at edges", "Give a smaller reserve.rim")
+        if not found:
+            task = self._model.task
+            raise TaskError(
+                f"no contacts can be proposed for {task.object!r}: {reason.problem}",
+                file=self._model.scene.source,
+                key=f"objects.{task.object}.shape",
+                remedy=reason.remedy,
+            )
+        return found
+
+    def _suitable(self, pairs: Pairs) -> Pairs | _Reason:
+        """Return the pairs that normals, jaw and region allow, or what keeps all of them out."""
+        model, narrowest, widest = self._model, self._finder.narrowest, self._finder.widest
+        opposite = pairs.leans.max(axis=1) <= math.atan(model.task.contact.friction)
+        if self._finder.parallel:
+            opposite &= pairs.tilts <= self._tilt
+        pairs = pairs.at(np.flatnonzero(opposite))
+        if not len(pairs.points):
+            return _Reason("no two faces are opposite to each other as the pads are", "Give desired contacts")
+        widths = pairs.widths
+        if widths.min() > widest:
+            least, missing, opens = 1e3 * widths.min(), 1e3 * (widths.min() - widest), 1e3 * widest
+            problem = f"too wide by {missing:.1f} mm: at least {least:.1f} mm, and the pads open to {opens:.1f} mm"
+            return _Reason(problem, "Use a larger gripper or a smaller object")
+        if widths.max() < narrowest:
+            most, missing, closes = 1e3 * widths.max(), 1e3 * (narrowest - widths.max()), 1e3 * narrowest
+            problem = f"too narrow by {missing:.1f} mm: at most {most:.1f} mm, and the pads close to {closes:.1f} mm"
+            return _Reason(problem, "Use a smaller gripper or a larger object")
+        pairs = pairs.at(np.flatnonzero((widths >= narrowest) & (widths <= widest)))
+        if model.region is not None and len(pairs.points):
+            inside = model.region(pairs.points.reshape(-1, 3))[0].reshape(-1, 2) >= 0.0
+            pairs = pairs.at(np.flatnonzero(inside.all(axis=1)))
+        if not len(pairs.points):
+            return _Reason("no two opposite points that fit the jaw are in the contact region", "Widen the region")
+        return pairs
+
+    def _rooms(self, pairs: Pairs) -> Array:
+        """Return how far both points of pairs are from the edges of their faces, m, shape (n,); -inf on an edge."""
+        surface = self._model.surface
+        if surface.uneven:
+            points = pairs.points.reshape(-1, 3)
+            cosines = (surface.signed_distance(points)[1] * surface.footprint(points)[0]).sum(axis=1)
+            return np.where(cosines.reshape(-1, 2).min(axis=1) < math.cos(EDGE), -np.inf, np.inf)
+        face_of = self._model.surface.contact_face
+        rooms = [[edge_distance(face_of(point), point)[0] for point in pair] for pair in pairs.points]
+        return np.asarray(np.min(rooms, axis=1))
+
+    def _spread(self, found: list[Candidate], roomy: bool) -> list[Candidate]:
+        """Return candidates far from edges, or those near them, each as far as possible from those before it."""
+        some = [candidate for candidate in found if candidate.roomy == roomy]
+        if not some:
+            return []
+        points = np.array([candidate.pair.points for candidate in some])
+        center = np.array(self._model.scene.objects[self._model.task.object].center_of_mass_object)
+        order = [int(np.linalg.norm(points.mean(axis=1) - center, axis=1).argmin())]
+        gaps = _gaps(points, order[0])
+        while len(order) < min(KEPT, len(some)):
+            order.append(int(gaps.argmax()))
+            gaps = np.minimum(gaps, _gaps(points, order[-1]))
+        return [some[i] for i in order]
+
+
+class _Reason(NamedTuple):
+    """Why no pair suits."""
+
+    problem: str
+    remedy: str
+
+
+def _can_be_got_at(model: TaskModel, candidate: Candidate) -> bool:
+    """Whether nothing is in the way of one of the ways to hold a candidate where the object stands."""
+    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+    base, reach = arm_reach(model.robot)
+    if np.linalg.norm(candidate.pair.points @ R.T + origin - base, axis=1).max() > reach:
+        return False
+    probes = candidate.holds.probes @ R.T + origin
+    free = np.ones(len(probes), dtype=bool)
+    for inward, offset in model.scene.enclosure.walls.values():
+        free &= (probes @ inward).min(axis=1) > offset
+    if model.approach is not None:
+        beyond = min(model.approach.half_angle + math.pi / TURNS, math.pi)
+        free &= candidate.holds.approaches @ R.T @ model.approach.axis >= math.cos(beyond)
+    for body in model.scene.bodies_besides(model.task).values() if free.any() else ():
+        T = body.pose.matrix
+        local = (probes.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
+        free &= surface_of(body.shape).exact_distances(local).reshape(len(probes), -1).min(axis=1) > 0.0
+    return bool(free.any())
+
+
+def _gaps(points: Array, index: int) -> Array:
+    """Return how far pairs are from one of them, whichever point is the first one, m, shape (n,)."""
+    same = np.linalg.norm(points - points[index], axis=(1, 2))
+    crossed = np.linalg.norm(points - points[index, ::-1], axis=(1, 2))
+    return np.asarray(np.minimum(same, crossed))

@@ -1,0 +1,196 @@
+"""The signed distance of a mesh as splines on lattices, the normal that a pad feels, and points in trees against it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import meshes
+import numpy as np
+import pytest
+import trimesh
+from conftest import Array
+
+from pinograsp.descriptions.mesh_contact import SIGMAS
+from pinograsp.disk import cache_folder
+from pinograsp.geometry.distance_field import (
+    AROUND,
+    DistanceField,
+    distance_below,
+    distance_field,
+    field_distances,
+    field_normals,
+    footprint_sigma,
+)
+from pinograsp.geometry.exact_distance import ExactDistance
+from pinograsp.geometry.field_cache import mesh_field
+from pinograsp.geometry.point_trees import nearest_points, point_trees
+
+THINGS = list(meshes.THINGS)
+
+
+@cache
+def thing(name: str) -> tuple[trimesh.Trimesh, ExactDistance, DistanceField]:
+    mesh = meshes.THINGS[name]()
+    vertices, faces = meshes.arrays(mesh)
+    return mesh, ExactDistance(vertices, faces), mesh_field(name, vertices, faces)
+
+
+def on_surface(mesh: trimesh.Trimesh, count: int) -> tuple[Array, Array]:
+    """Return points on a mesh and the normals of their facets."""
+    points, which = trimesh.sample.sample_surface(mesh, count, seed=0)
+    return np.array(points), np.array(mesh.face_normals[which])
+
+
+@pytest.mark.parametrize("name", THINGS)
+@pytest.mark.parametrize(("off", "mean", "most"), [(0.0, 2e-5, 3e-4), (0.001, 2e-5, 3e-4), (-0.001, 4e-5, 3e-4)])
+def test_distances_are_next_to_exact_near_the_surface(name: str, off: float, mean: float, most: float) -> None:
+    mesh, exact, field = thing(name)
+    points, normals = on_surface(mesh, 4000)
+    points += off * normals
+    error = np.abs(field_distances(field, points)[0] - exact.signed(points))
+    assert error.mean() < mean
+    assert error.max() < most
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_distances_are_about_right_everywhere(name: str) -> None:
+    mesh, exact, field = thing(name)
+    points = np.random.default_rng(0).uniform(mesh.bounds[0] - 0.08, mesh.bounds[1] + 0.08, (3000, 3))
+    distances, true = field_distances(field, points)[0], exact.signed(points)
+    np.testing.assert_allclose(distances, true, atol=2e-3)
+    deep = np.abs(true) > 5e-4
+    np.testing.assert_array_equal(distances[deep] < 0.0, true[deep] < 0.0)
+    assert deep.sum() > 2900
+
+
+@pytest.mark.parametrize("name", THINGS)
+@pytest.mark.parametrize("spread", [0.0, 0.004, 0.03, 0.3], ids=lambda spread: f"{1e3 * spread:g} mm")
+def test_derivatives(name: str, spread: float) -> None:
+    """On the surface, near it, within the coarse lattice and beyond."""
+    mesh, _, field = thing(name)
+    points = on_surface(mesh, 100)[0] + spread * np.random.default_rng(1).normal(size=(100, 3))
+    _, gradients, hessians = field_distances(field, points)
+    normals, turning = field_normals(field, points)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-12)
+    for axis, step in enumerate(1e-7 * np.eye(3)):
+        ahead, behind = field_distances(field, points + step), field_distances(field, points - step)
+        np.testing.assert_allclose(gradients[:, axis], (ahead[0] - behind[0]) / 2e-7, atol=1e-6)
+        np.testing.assert_allclose(hessians[:, :, axis], (ahead[1] - behind[1]) / 2e-7, atol=1e-4 * abs(hessians).max())
+        change = (field_normals(field, points + step)[0] - field_normals(field, points - step)[0]) / 2e-7
+        np.testing.assert_allclose(turning[:, :, axis], change, atol=1e-4 * abs(turning).max())
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_nothing_jumps_where_lattices_end(name: str) -> None:
+    _, _, field = thing(name)
+    for lattice, jump in ((field.distance, 2e-6), (field.coarse, 1e-6)):
+        edge = lattice.origin + lattice.spacing
+        middle = lattice.origin + 0.5 * lattice.spacing * np.array(lattice.coefficients.shape)
+        for axis in range(3):
+            point = middle.copy()
+            point[axis] = edge[axis]
+            around = np.array([point - 1e-9 * np.eye(3)[axis], point + 1e-9 * np.eye(3)[axis]])
+            values, gradients, _ = field_distances(field, around)
+            assert abs(values[1] - values[0]) < jump
+            if lattice is field.distance:
+                np.testing.assert_allclose(gradients[0], gradients[1], atol=0.02)
+
+
+def test_distances_far_away_are_bounded() -> None:
+    mesh, exact, field = thing("mug")
+    directions = np.random.default_rng(0).normal(size=(200, 3))
+    points = (
+        mesh.centroid + directions / np.linalg.norm(directions, axis=1)[:, None] * np.linspace(0.3, 2.0, 200)[:, None]
+    )
+    true = exact.unsigned(points)
+    assert (field_distances(field, points)[0] >= true - 1e-3).all()
+    bounds = np.array([distance_below(field, *point, np.inf) for point in points.tolist()])
+    assert (bounds <= true + 1e-9).all()
+    assert (bounds >= AROUND).all()
+
+
+def test_normals_of_a_ball_and_of_a_cylinder_are_those_of_the_shape() -> None:
+    """What is symmetric stays so when it is smoothed; facets of half a millimetre do not show."""
+    vertices, faces = meshes.arrays(meshes.ball(0.03, 5))
+    points = 0.03 * np.random.default_rng(0).normal(size=(200, 3))
+    points *= 0.03 / np.linalg.norm(points, axis=1)[:, None]
+    normals, turning = field_normals(mesh_field("ball", vertices, faces), points)
+    assert np.degrees(np.arccos((normals * points / 0.03).sum(axis=1).clip(-1.0, 1.0))).max() < 0.1
+    expected = (np.eye(3) - normals[:, :, None] * normals[:, None, :]) / 0.03
+    np.testing.assert_allclose(turning, expected, atol=2.0)  # 6 % of 1 / radius
+
+
+def test_an_edge_is_rounded_by_the_width_of_a_footprint() -> None:
+    """On a box the smoothed normal is the face's in its middle, and halfway between two faces on their edge."""
+    vertices, faces = meshes.arrays(meshes.box([-0.02, -0.02, -0.02], [0.02, 0.02, 0.02]))
+    field = mesh_field("box", vertices, faces)
+    points = np.array([[0.02, 0.003, -0.002], [0.02, 0.02, 0.0]])
+    normals = field_normals(field, points)[0]
+    np.testing.assert_allclose(normals, [[1.0, 0.0, 0.0], [0.5**0.5, 0.5**0.5, 0.0]], atol=1e-3)
+
+
+@pytest.mark.parametrize(("thickness", "sigma"), [(0.02, 0.002), (0.0035, 0.0015), (0.0022, 0.001), (0.0005, 0.0005)])
+def test_footprints_are_narrower_on_thin_bodies(thickness: float, sigma: float) -> None:
+    mesh = meshes.box([-0.03, -0.03, 0.0], [0.03, 0.03, thickness]).subdivide_to_size(0.01)
+    vertices, faces = meshes.arrays(mesh)
+    assert sigma in SIGMAS
+    assert footprint_sigma(ExactDistance(vertices, faces), vertices, faces) == sigma
+
+
+def test_thin_sheets_have_two_sides() -> None:
+    mesh = meshes.box([-0.03, -0.03, 0.0], [0.03, 0.03, 0.0015]).subdivide_to_size(0.01)
+    vertices, faces = meshes.arrays(mesh)
+    field = mesh_field("sheet", vertices, faces)
+    points = np.array([[0.01, 0.0, 0.0], [0.01, 0.0, 0.0015]])
+    np.testing.assert_allclose(field_normals(field, points)[0], [[0, 0, -1], [0, 0, 1]], atol=1e-3)
+    np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=5e-5)
+
+
+def test_lattices_stay_small() -> None:
+    """A body of a metre has a coarser lattice: no more than 30 MB."""
+    vertices, faces = meshes.arrays(meshes.box([-0.5, -0.2, -0.1], [0.5, 0.2, 0.1]))
+    field = distance_field(vertices, faces, 0.002)
+    assert sum(lattice.coefficients.nbytes for lattice in (field.distance, field.smoothed, field.coarse)) < 30e6
+    points = np.array([[0.5, 0.1, 0.03], [0.2, -0.2, 0.0]])
+    np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=2e-4)
+
+
+def test_fields_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """By content: a second field comes from the file, a damaged file is made again."""
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
+    vertices, faces = meshes.arrays(meshes.ball(0.01, 2))
+    first = mesh_field("ball", vertices, faces)
+    [file] = (cache_folder() / "fields").iterdir()
+    before = file.read_bytes()
+    second = mesh_field("ball", vertices, faces)
+    for one, other in zip(first[:3], second[:3], strict=True):
+        np.testing.assert_array_equal(one.coefficients, other.coefficients)
+    assert first.error == second.error
+    mesh_field("ball", 1.1 * vertices, faces)
+    assert len(list((cache_folder() / "fields").iterdir())) == 2
+    file.write_bytes(before[:1000])
+    np.testing.assert_array_equal(
+        mesh_field("ball", vertices, faces).distance.coefficients, first.distance.coefficients
+    )
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_the_nearest_of_many_points_is_found(name: str) -> None:
+    """As if every point were asked, for bodies near and far, apart and in each other."""
+    mesh, _, field = thing(name)
+    rng = np.random.default_rng(0)
+    sets = [
+        rng.uniform(-0.03, 0.03, (count, 3)) * size for count, size in ((1, 1.0), (7, 0.2), (300, 1.0), (2000, 3.0))
+    ]
+    trees = point_trees(sets, [0, 1, 2, 3])
+    rotations = np.array([np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in sets])
+    for _ in range(20):
+        translations = mesh.centroid + rng.normal(scale=0.06, size=(len(sets), 3))
+        caps = np.array([0.05, 0.09, 0.02, 0.03])
+        values, nearest = nearest_points(trees, field, rotations, translations, caps)
+        for i, points in enumerate(sets):
+            distances = field_distances(field, points @ rotations[i].T + translations[i])[0]
+            assert values[i] == pytest.approx(min(distances.min(), caps[i]), abs=1e-9)
+            if values[i] < caps[i]:
+                assert field_distances(field, nearest[i][None])[0][0] == pytest.approx(values[i], abs=1e-12)
