@@ -135,7 +135,7 @@ class HandAndObject:
         ET.SubElement(world, "light", pos=numbers(pose[:3, 3] + [0.3, -0.4, 0.8]), dir="-0.3 0.4 -0.8")
         drive = self._drive(grasp)
         self._add_hand(world, assets, poses, drive, shown)
-        self._add_object(world, pose)
+        self._add_object(world, assets, pose)
         root.extend(drive.elements)
         R = pose[:3, :3]
         return HoldModel(
@@ -203,13 +203,15 @@ class HandAndObject:
             body, "geom", attributes | placed(T @ P), name=name, type=solid.kind, size=numbers(solid.size), rgba=colour
         )
 
-    def _add_object(self, world: ET.Element, pose: Array) -> None:
+    def _add_object(self, world: ET.Element, assets: ET.Element, pose: Array) -> None:
         body = ET.SubElement(world, "body", placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
         _add_inertial(body, self._object.center_of_mass_object, self._mass, self._mass * self._body.inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
         for k, geom in enumerate(self._body.geoms):
             ET.SubElement(body, "geom", geom | touching, name=f"{OBJECT}:{k}")
+        for k, vertices in enumerate(self._body.pieces, len(self._body.geoms)):
+            _add_mesh(body, assets, f"{OBJECT}:{k}", vertices, touching)
 
 
 _SKY = {
