@@ -92,7 +92,7 @@ class TriangleBody:
 
         From outside all triangles count; from inside, those that bound the body.
         """
-        found = np.sqrt(self._all.squared_distance(self.vertices, self._around, points)[0])
+        found: Array = np.sqrt(self._all.squared_distance(self.vertices, self._around, points)[0])
         inside = self._inside(points, found)
         if self._skin is self._all:
             found[inside] *= -1.0
@@ -109,9 +109,10 @@ class TriangleBody:
             points: shape (n, 3).
             apart: distance of each to the nearest triangle, shape (n,).
         """
-        left, centers, owner = np.argsort(-apart), [], np.empty(len(points), dtype=np.intp)
+        left, owner = np.argsort(-apart), np.empty(len(points), dtype=np.intp)
+        centers: list[int] = []
         while len(left) and len(centers) < BALLS:
-            center = left[0]
+            center = int(left[0])
             within = ((points[left] - points[center]) ** 2).sum(axis=1) < apart[center] ** 2
             within[0] = True
             owner[left[within]] = len(centers)
