@@ -27,6 +27,9 @@ from typing import Any
 import igl
 import numpy as np
 import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
@@ -36,8 +39,8 @@ NODES = 8
 """Of the quadrature along each axis."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
-BALLS = 60
-"""Most balls that answer for the points in them; the rest is asked one by one."""
+NEIGHBOURS = 9
+"""Of points, itself among them, that are looked at to find what no triangle parts."""
 BESIDE = 1e-6
 """How far beside a triangle it is asked whether there is an outside, m."""
 PLACES = 6
@@ -101,25 +104,24 @@ class TriangleBody:
         return found
 
     def _inside(self, points: Array, apart: Array) -> Mask:
-        """Whether points are inside: `contains`, asked for a few of them.
+        """Whether points are inside: `contains`, asked for one of all those that no triangle parts.
 
-        A ball that no triangle enters is all inside or all outside: its centre answers for all points in it.
+        No triangle enters the ball around a point with its distance as the radius. So none crosses the way between two
+        points that are less apart than the sum of their distances.
 
         Args:
             points: shape (n, 3).
             apart: distance of each to the nearest triangle, shape (n,).
         """
-        left, owner = np.argsort(-apart), np.empty(len(points), dtype=np.intp)
-        centers: list[int] = []
-        while len(left) and len(centers) < BALLS:
-            center = int(left[0])
-            within = ((points[left] - points[center]) ** 2).sum(axis=1) < apart[center] ** 2
-            within[0] = True
-            owner[left[within]] = len(centers)
-            centers.append(center)
-            left = left[~within]
-        owner[left] = len(centers) + np.arange(len(left))
-        return self.contains(points[[*centers, *left]])[owner]
+        shape = (len(points), min(NEIGHBOURS, len(points)))
+        ways, others = (part.reshape(shape) for part in KDTree(points).query(points, k=shape[1]))
+        one, which = np.nonzero(ways < apart[:, None] + apart[others])
+        joined = coo_array((np.ones(len(one)), (one, others[one, which])), shape=(len(points), len(points)))
+        count, group = connected_components(joined, directed=False)
+        asked = np.empty(count, dtype=np.intp)
+        order = np.argsort(apart)
+        asked[group[order]] = order  # the last one of each group, which is farthest from all triangles
+        return np.asarray(self.contains(points[asked])[group])
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""
