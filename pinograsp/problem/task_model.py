@@ -55,7 +55,12 @@ class TaskModel:
         self.desired_points = desired @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
         faces = [self.contact_face(point) for point in self.desired_points]
         self.desired_normals = np.array([f.normal if isinstance(f, Flat) else np.zeros(3) for f in faces])
-        """Outward normals of the flat faces that the desired points are on; zero on curved parts, shape (n, 3)."""
+        """Outward normals of the flat faces that the desired points are on, or as a pad feels it on an uneven surface.
+
+        Zero on curved parts of others, shape (n, 3).
+        """
+        if self.surface.uneven:
+            self.desired_normals = self.footprint(self.desired_points)[0]
         self.approach = approach_cone(self.task, self.T_world_object)
         wrench = self.scene.wrench_of(self.task)
         self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius)
