@@ -28,6 +28,10 @@ class Exact:
         """Coal measures such shapes."""
         raise NotImplementedError
 
+    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+        """Coal measures such shapes."""
+        raise NotImplementedError
+
     def exact_distances(self, points: Array) -> Array:
         """Return the distances."""
         return self.signed_distance(points)[0]
