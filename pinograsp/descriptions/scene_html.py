@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from .. import notebook
-from .shapes import Compound, ShapeDescription
+from .shapes import Compound, Mesh, ShapeDescription
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -36,6 +36,8 @@ def _in_brackets(numbers: Iterable[float]) -> str:
 def _shown(shape: ShapeDescription) -> str:
     if isinstance(shape, Compound):
         return "compound of " + ", ".join(part.shape.type for part in shape.parts)
+    if isinstance(shape, Mesh):
+        return f"mesh {shape.file.name}"
     sizes = shape.model_dump(exclude={"type"}).items()
     shown = [f"{key} {_in_brackets(size) if isinstance(size, tuple) else f'{size:g}'}" for key, size in sizes]
     return ", ".join([shape.type, *shown])
