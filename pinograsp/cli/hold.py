@@ -23,6 +23,8 @@ from .terminal import Terminal
 NOT_HELD = 1
 BEST = 20
 """Grasps that are tested where nothing else is asked for."""
+COARSE = 5e-4
+"""From which distance on it is said that convex pieces stand off an object where pads touch, m."""
 
 
 def register(app: typer.Typer) -> None:

@@ -122,7 +122,7 @@ class HandAndObject:
         return Standoff(surface_of(self._object.shape).tessellation().corners, self._body.pieces)
 
     def standoff(self, grasp: Grasp) -> float:
-        """Return how far the convex pieces of the object stand off what the pads touch, m; 0 of solids with formulas."""
+        """Return how far the convex pieces of the object stand off what pads touch, m; 0 where there are none."""
         if not self._body.pieces:
             return 0.0
         T = self._object.pose.matrix

@@ -9,7 +9,18 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
-from ..descriptions.shapes import Box, Capsule, Compound, Cone, Cylinder, Ellipsoid, Mesh, Part, ShapeDescription, Sphere
+from ..descriptions.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    Mesh,
+    Part,
+    ShapeDescription,
+    Sphere,
+)
 from ..errors import InputError, TaskError
 from ..geometry.shapes import surface_of
 from .drive import numbers
@@ -65,7 +76,9 @@ def _capsule(shape: Capsule) -> _Solid:
 
 def _ellipsoid(shape: Ellipsoid) -> _Solid:
     squares = np.square(shape.semi_axes)
-    return _Solid({"type": "ellipsoid", "size": " ".join(map(repr, shape.semi_axes))}, np.diag(squares.sum() - squares) / 5)
+    return _Solid(
+        {"type": "ellipsoid", "size": " ".join(map(repr, shape.semi_axes))}, np.diag(squares.sum() - squares) / 5
+    )
 
 
 def _cone(shape: Cone) -> _Solid:
