@@ -55,8 +55,8 @@ class TaskModel:
         self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
         """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        wrench = self.scene.wrench_of(self.task)
-        self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius_about(target.center_of_mass_object))
+        wrench, size = self.scene.wrench_of(self.task), self.surface.radius_about(target.center_of_mass_object)
+        self.load = Load(target.center_of_mass_world, wrench.vector, size)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.
