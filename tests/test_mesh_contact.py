@@ -149,7 +149,9 @@ def test_what_is_measured_is_each_link_once(hammer: TaskModel) -> None:
     """Pads and what is behind them may be pressed in; all else keeps the margin; nothing is in both."""
     links, pads = link_points(hammer.robot, 0.001), pad_points(hammer.robot)
     assert (links.least >= 0.001).all()
-    assert (links.least < 0.003).all()
+    of_hand = np.array([found.link.startswith("robotiq") for found in links.sets])
+    assert links.least[of_hand].max() < 0.002
+    assert links.least[~of_hand].max() < 0.006
     depths = {pad.rubber_depth for pad in hammer.robot.description.pads}
     rubber = np.array([found.yields for found in pads.sets])
     assert set(-pads.least[rubber]) == depths

@@ -1,10 +1,10 @@
-"""The centre of mass of a body that is given as triangles."""
+"""The centre of mass and the volume of a body that is given as triangles."""
 
 from __future__ import annotations
 
 import io
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import trimesh
@@ -16,11 +16,20 @@ if TYPE_CHECKING:
     from .shapes import Mesh
 
 
-def centroid_of(mesh: Mesh) -> tuple[float, float, float]:
-    """Return the centre of mass of a body filled evenly, in its own frame, m.
+class Filled(NamedTuple):
+    """A body filled evenly, in its own frame."""
 
-    It is the mean of the centres of the tetrahedra between triangles and a point in their middle, weighed with signed
-    volumes: where parts overlap, what they share counts twice.
+    centroid: tuple[float, float, float]
+    """Centre of mass, m."""
+    volume: float
+    """m^3."""
+
+
+def filled(mesh: Mesh) -> Filled:
+    """Return the centre of mass and the volume of a body filled evenly.
+
+    The centre is the mean of the centres of the tetrahedra between triangles and a point in their middle, weighed with
+    signed volumes: where parts overlap, what they share counts twice.
 
     Raises:
         FileError: the file cannot be read, is not that which was described, or encloses nothing.
@@ -45,8 +54,9 @@ def centroid_of(mesh: Mesh) -> tuple[float, float, float]:
         remedy = "Give `center_of_mass` of the object"
         raise FileError("encloses no volume, so that it has no centre of mass", file=mesh.file, remedy=remedy)
     center = middle + 0.25 * (volumes @ (a + b + c)) / volumes.sum()
-    x, y, z = (metres_in_unit(mesh.unit, stated, float((high - low).max())) * center).tolist()
-    return x, y, z
+    metres = metres_in_unit(mesh.unit, stated, float((high - low).max()))
+    x, y, z = (metres * center).tolist()
+    return Filled((x, y, z), metres**3 * abs(float(volumes.sum())))
 
 
 def _stated(units: str) -> float:

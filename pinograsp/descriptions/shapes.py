@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -17,6 +17,9 @@ from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .pose import Pose
 from .values import NotNegative, Positive, Sizes3, listed, wrong
+
+if TYPE_CHECKING:
+    from .mesh_centroid import Filled
 
 
 class ShapeDescription(Frozen):
@@ -142,16 +145,25 @@ class Mesh(ShapeDescription, MeshFile):
     file: MeshAddress
     """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
 
-    @cached_property
+    @property
     def centroid(self) -> tuple[float, float, float]:
         """Centre of mass of the body filled evenly, m; the file is read when it is first asked.
 
         Raises:
-            FileError: the file cannot be read, or is not that which was described.
+            FileError: the file cannot be read, is not that which was described, or encloses nothing.
         """
-        from .mesh_centroid import centroid_of  # which needs more time to import than all of the descriptions
+        return self._filled.centroid
 
-        return centroid_of(self)
+    @property
+    def volume(self) -> float:
+        """m^3; what parts of the body share counts in each of them. Errors as of `centroid`."""
+        return self._filled.volume
+
+    @cached_property
+    def _filled(self) -> Filled:
+        from .mesh_centroid import filled  # which needs more time to import than all of the descriptions
+
+        return filled(self)
 
 
 SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)

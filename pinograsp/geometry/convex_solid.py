@@ -8,7 +8,11 @@ import coal
 import numpy as np
 
 from ..arrays import Array
+from .covers import fan
+from .hulls import Hull
 
+NEIGHBOURS = 250
+"""Corners that a hull may have for certain: Coal wants fewer than 256 neighbours of each."""
 IDENTITY = np.eye(4)
 
 
@@ -24,7 +28,28 @@ class ConvexPiece(NamedTuple):
 
 
 def convex_solid(points: Array) -> Any:
-    """Return the convex hull of points, shape (n, 3), m, for Coal."""
+    """Return the convex hull of points, shape (n, 3), m, for Coal.
+
+    Where one corner has more neighbours than Coal takes, as on the flat end of a fine cylinder, it is a hull of fewer
+    corners, a little larger so that it holds all of them.
+    """
+    try:
+        return _hull(points)
+    except RuntimeError:
+        return _hull(_fewer(points))
+
+
+def _hull(points: Array) -> Any:
     cloud = coal.StdVec_Vec3s()
     cloud.extend(list(points))
     return coal.Convex.convexHull(cloud, True, "Qt")
+
+
+def _fewer(points: Array) -> Array:
+    """Return corners that are farthest along directions all around, moved away from their middle to hold all points."""
+    chosen = points[np.unique((points @ fan(NEIGHBOURS).T).argmax(axis=0))]
+    hull = Hull(chosen)
+    middle = hull.vertices.mean(axis=0)
+    heights = (hull.normals * (hull.triangles[:, 0] - middle)).sum(axis=1)
+    beyond = ((points - middle) @ hull.normals.T).max(axis=0) / heights
+    return np.asarray(middle + max(1.0, float(beyond.max())) * (hull.vertices - middle))

@@ -265,7 +265,7 @@ def _lattice() -> Array:
     return np.array([np.array(step) / np.linalg.norm(step) for step in ahead])
 
 
-def _fan(count: int) -> Array:
+def fan(count: int) -> Array:
     """Return directions spread evenly by the golden angle, shape (count, 3)."""
     k = np.arange(count) + 0.5
     z, longitude = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
@@ -274,4 +274,4 @@ def _fan(count: int) -> Array:
 
 
 _LATTICE = _lattice()
-_FAN = _fan(96)
+_FAN = fan(96)

@@ -20,12 +20,14 @@ from ..arrays import Array, Integers
 from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..errors import InputError
+from ..geometry.shapes import surface_of
 from ..results import Grasp, Setup
 from ..verification.check import Verifier
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
 from .drive import Drive, coupled, numbers, servos
 from .hand import HandLink, factors, hand_links
+from .object_pieces import Standoff
 from .objects import object_body, placed, required_mass
 from .options import HoldOptions
 from .pads import pad_geom, torsional_friction
@@ -115,6 +117,19 @@ class HandAndObject:
         """Names of the hand's links."""
         return tuple(link.name for link in self._links)
 
+    @cached_property
+    def _standoff(self) -> Standoff:
+        return Standoff(surface_of(self._object.shape).tessellation().corners, self._body.pieces)
+
+    def standoff(self, grasp: Grasp) -> float:
+        """Return how far the convex pieces of the object stand off what pads touch, m; 0 where there are none."""
+        if not self._body.pieces:
+            return 0.0
+        T = self._object.pose.matrix
+        depths = {pad.name: pad.rubber_depth for pad in self._robot.pads}
+        contacts = ((T[:3, :3].T @ (c.point - T[:3, 3]), T[:3, :3].T @ c.normal, depths[c.pad]) for c in grasp.contacts)
+        return max(self._standoff.at(*contact) for contact in contacts)
+
     def model(self, grasp: Grasp, *, shown: bool = False) -> HoldModel:
         """Return the model of a grasp.
 
@@ -135,7 +150,7 @@ class HandAndObject:
         ET.SubElement(world, "light", pos=numbers(pose[:3, 3] + [0.3, -0.4, 0.8]), dir="-0.3 0.4 -0.8")
         drive = self._drive(grasp)
         self._add_hand(world, assets, poses, drive, shown)
-        self._add_object(world, pose)
+        self._add_object(world, assets, pose)
         root.extend(drive.elements)
         R = pose[:3, :3]
         return HoldModel(
@@ -203,13 +218,15 @@ class HandAndObject:
             body, "geom", attributes | placed(T @ P), name=name, type=solid.kind, size=numbers(solid.size), rgba=colour
         )
 
-    def _add_object(self, world: ET.Element, pose: Array) -> None:
+    def _add_object(self, world: ET.Element, assets: ET.Element, pose: Array) -> None:
         body = ET.SubElement(world, "body", placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
         _add_inertial(body, self._object.center_of_mass_object, self._mass, self._mass * self._body.inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
         for k, geom in enumerate(self._body.geoms):
             ET.SubElement(body, "geom", geom | touching, name=f"{OBJECT}:{k}")
+        for k, vertices in enumerate(self._body.pieces, len(self._body.geoms)):
+            _add_mesh(body, assets, f"{OBJECT}:{k}", vertices, touching)
 
 
 _SKY = {

@@ -9,42 +9,60 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
-from ..descriptions.shapes import Box, Capsule, Compound, Cylinder, Ellipsoid, Part, ShapeDescription, Sphere
+from ..descriptions.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    Mesh,
+    Part,
+    ShapeDescription,
+    Sphere,
+)
 from ..errors import InputError, TaskError
+from ..geometry.shapes import surface_of
 from .drive import numbers
+from .object_pieces import filled_inertia, object_pieces
 
 
 class ObjectBody(NamedTuple):
     """A shape in its own frame."""
 
     geoms: tuple[dict[str, str], ...]
-    """Attributes of the <geom> of each of its parts."""
+    """Attributes of the <geom> of each of its parts that MuJoCo knows."""
+    pieces: tuple[Array, ...]
+    """Vertices of the convex pieces of its other parts, each of shape (k, 3), m."""
     inertia: Array
     """Inertia of the solid about its centre per mass, m^2, shape (3, 3)."""
 
 
 class _Solid(NamedTuple):
-    """A shape of one part, centred at the origin of its frame."""
+    """A shape of one part in its frame."""
 
     geom: dict[str, str]
+    """Empty if it is pieces."""
     inertia: Array
-    """Diagonal of the inertia per mass, m^2, shape (3,)."""
+    """About its centroid per mass, m^2, shape (3, 3)."""
+    pieces: tuple[Array, ...] = ()
+    """Vertices of convex pieces, each of shape (k, 3), m."""
 
 
 def _sphere(shape: Sphere) -> _Solid:
-    return _Solid({"type": "sphere", "size": f"{shape.radius!r}"}, np.full(3, 0.4 * shape.radius**2))
+    return _Solid({"type": "sphere", "size": f"{shape.radius!r}"}, 0.4 * shape.radius**2 * np.eye(3))
 
 
 def _box(shape: Box) -> _Solid:
     squares = np.square(shape.size)
     half = " ".join(repr(edge / 2) for edge in shape.size)
-    return _Solid({"type": "box", "size": half}, (squares.sum() - squares) / 12)
+    return _Solid({"type": "box", "size": half}, np.diag(squares.sum() - squares) / 12)
 
 
 def _cylinder(shape: Cylinder) -> _Solid:
     across, along = shape.radius**2 / 2, shape.radius**2 / 4 + shape.height**2 / 12
     size = f"{shape.radius!r} {shape.height / 2!r}"
-    return _Solid({"type": "cylinder", "size": size}, np.array([along, along, across]))
+    return _Solid({"type": "cylinder", "size": size}, np.diag([along, along, across]))
 
 
 def _capsule(shape: Capsule) -> _Solid:
@@ -53,12 +71,29 @@ def _capsule(shape: Capsule) -> _Solid:
     ends = 1.0 - rod
     across = rod * r**2 / 2 + ends * 0.4 * r**2
     along = rod * (r**2 / 4 + l**2 / 12) + ends * (0.4 * r**2 + l**2 / 4 + 3.0 / 8.0 * r * l)
-    return _Solid({"type": "capsule", "size": f"{r!r} {l / 2!r}"}, np.array([along, along, across]))
+    return _Solid({"type": "capsule", "size": f"{r!r} {l / 2!r}"}, np.diag([along, along, across]))
 
 
 def _ellipsoid(shape: Ellipsoid) -> _Solid:
     squares = np.square(shape.semi_axes)
-    return _Solid({"type": "ellipsoid", "size": " ".join(map(repr, shape.semi_axes))}, (squares.sum() - squares) / 5)
+    return _Solid(
+        {"type": "ellipsoid", "size": " ".join(map(repr, shape.semi_axes))}, np.diag(squares.sum() - squares) / 5
+    )
+
+
+def _cone(shape: Cone) -> _Solid:
+    # Slices at heights z with radii r: what is integrated is of degree 4 in z, which 3 Gauss points do exactly.
+    t, w = np.polynomial.legendre.leggauss(3)
+    z = 0.5 * shape.height * t
+    radii = shape.bottom_radius + (shape.top_radius - shape.bottom_radius) * (0.5 + 0.5 * t)
+    shares = w * radii**2 / (w @ radii**2)
+    across = float(shares @ radii**2) / 2
+    along = across / 2 + float(shares @ (z - shape.centroid[2]) ** 2)
+    return _Solid({}, np.diag([along, along, across]), (surface_of(shape).tessellation().vertices,))
+
+
+def _mesh(shape: Mesh) -> _Solid:
+    return _Solid({}, filled_inertia(shape), object_pieces(shape))
 
 
 BODIES: dict[type[ShapeDescription], Callable[[Any], _Solid]] = {
@@ -67,6 +102,8 @@ BODIES: dict[type[ShapeDescription], Callable[[Any], _Solid]] = {
     Cylinder: _cylinder,
     Capsule: _capsule,
     Ellipsoid: _ellipsoid,
+    Cone: _cone,
+    Mesh: _mesh,
 }
 """The solid of each described shape of one part, made from its description. A new shape is registered here."""
 
@@ -75,16 +112,19 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     """Return the body of a shape; of a compound what parts share counts in each of them for the inertia.
 
     Raises:
-        InputError: the hold test has none for shapes of this type.
+        InputError: the hold test has none for shapes of this type, or the file of a mesh is gone or has changed.
     """
     parts = shape.parts if isinstance(shape, Compound) else (Part(shape=shape),)
     solids = [(_solid(name, part.shape), part.pose.matrix) for part in parts]
     center, inertia = np.array(shape.centroid), np.zeros((3, 3))
     for part, (solid, T) in zip(parts, solids, strict=True):
-        R, arm = T[:3, :3], T[:3, 3] - center
-        turned = (R * solid.inertia) @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm)
+        R = T[:3, :3]
+        arm = R @ part.shape.centroid + T[:3, 3] - center
+        turned = R @ solid.inertia @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm)
         inertia += turned if len(parts) == 1 else part.shape.volume / shape.volume * turned
-    return ObjectBody(tuple(solid.geom | placed(T) for solid, T in solids), inertia)
+    geoms = tuple(solid.geom | placed(T) for solid, T in solids if solid.geom)
+    pieces = tuple(piece @ T[:3, :3].T + T[:3, 3] for solid, T in solids for piece in solid.pieces)
+    return ObjectBody(geoms, pieces, inertia)
 
 
 def _solid(name: str, shape: ShapeDescription) -> _Solid:

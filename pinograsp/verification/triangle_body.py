@@ -27,6 +27,9 @@ from typing import Any
 import igl
 import numpy as np
 import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
@@ -36,6 +39,8 @@ NODES = 8
 """Of the quadrature along each axis."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
+NEIGHBOURS = 9
+"""Of points, itself among them, that are looked at to find what no triangle parts."""
 BESIDE = 1e-6
 """How far beside a triangle it is asked whether there is an outside, m."""
 PLACES = 6
@@ -90,11 +95,33 @@ class TriangleBody:
 
         From outside all triangles count; from inside, those that bound the body.
         """
-        inside = self.contains(points)
-        found = np.empty(len(points))
-        found[~inside] = np.sqrt(self._all.squared_distance(self.vertices, self._around, points[~inside])[0])
-        found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
+        found: Array = np.sqrt(self._all.squared_distance(self.vertices, self._around, points)[0])
+        inside = self._inside(points, found)
+        if self._skin is self._all:
+            found[inside] *= -1.0
+        else:
+            found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
         return found
+
+    def _inside(self, points: Array, apart: Array) -> Mask:
+        """Whether points are inside: `contains`, asked for one of all those that no triangle parts.
+
+        No triangle enters the ball around a point with its distance as the radius. So none crosses the way between two
+        points that are less apart than the sum of their distances.
+
+        Args:
+            points: shape (n, 3).
+            apart: distance of each to the nearest triangle, shape (n,).
+        """
+        shape = (len(points), min(NEIGHBOURS, len(points)))
+        ways, others = (part.reshape(shape) for part in KDTree(points).query(points, k=shape[1]))
+        one, which = np.nonzero(ways < apart[:, None] + apart[others])
+        joined = coo_array((np.ones(len(one)), (one, others[one, which])), shape=(len(points), len(points)))
+        count, group = connected_components(joined, directed=False)
+        asked = np.empty(count, dtype=np.intp)
+        order = np.argsort(apart)
+        asked[group[order]] = order  # the last one of each group, which is farthest from all triangles
+        return np.asarray(self.contains(points[asked])[group])
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""

@@ -24,6 +24,8 @@ from ..state import State
 from ..task_model import TaskModel
 from .pad_tangency import PROJECTED, tilt_of, violation_of
 
+WITHIN = 0.005
+"""How far inside its cone a normal must be, rad: the check finds the normal in another way."""
 SMALLEST = 0.001
 """Half side that a pad has at least, m: a line has some rubber beside it."""
 
@@ -34,13 +36,13 @@ class PadTilt(Inside):
     name = "pad tangency"
     figures: Mapping[str, str] = {"pad tangency": "deg"}
     descents: Descents = "every"
-    least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
         self._pads = model.robot.pads
         self._rho = model.load.rho
         self.scale = PER_METRE * self._rho
         self._slopes = [pad.description.rubber_depth / half_sides(pad.patch) for pad in self._pads]
+        self.least = min(WITHIN, 0.5 * float(np.min(self._slopes)))
         names = [(pad.description.name, ["1"] if _round(pad) else ["x", "-x", "y", "-y"]) for pad in self._pads]
         self._owners = [pad for pad, (_, sides) in enumerate(names) for _ in sides]
         self.rows = tuple(f"pad tilt of {pad}, {side}" for pad, sides in names for side in sides)
@@ -86,7 +88,7 @@ class PadTilt(Inside):
         """Return the tilt of the pad that is worst, if it is outside its cone."""
         above = self.inside(state).values
         worst = self._owners[int(above.argmin())]
-        return [violation_of(state, worst, self._rho, kept=bool(above.min() >= -1e-6))]
+        return [violation_of(state, worst, self._rho, kept=bool(above.min() >= self.least - 1e-6))]
 
 
 def half_sides(patch: Patch) -> Array:
