@@ -83,7 +83,8 @@ class Planner:
         options: how each start is solved.
         progress: called as the work goes on, in this process: once on a machine the `meshes` of the scene, `convex
             pieces` of the robot's meshes, `compiling`, and `start database` with its `sorting`; then `starts` and the
-            `resistance` of the grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found until then.
+            `resistance` of the grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found
+            until then.
 
     Raises:
         InputError: an argument is of another class, a number is out of range, or workers and executor are both given.
