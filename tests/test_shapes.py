@@ -23,6 +23,7 @@ from pinograsp.descriptions.shapes import (
     Cone,
     Cylinder,
     Ellipsoid,
+    Mesh,
     ShapeDescription,
     Sphere,
 )
@@ -97,7 +98,7 @@ def registered() -> Iterator[None]:
 
 def test_every_described_shape_has_its_geometry_twice() -> None:
     assert set(SHAPES) == set(SURFACES) == set(GEOMETRY)
-    assert set(SHAPES) == {*EXAMPLES, Compound}  # those of one part; `test_compound` has the other
+    assert set(SHAPES) == {*EXAMPLES, Mesh, Compound}  # `test_mesh_contact` and `test_compound` have the others
 
 
 every_shape = pytest.mark.parametrize("shape", [*EXAMPLES.values(), *FURTHER, BEAD], ids=lambda shape: shape.type)
