@@ -1,4 +1,8 @@
-"""The centre of mass and the volume of a body that is given as triangles."""
+"""The centre of mass and the volume of a body that is given as triangles.
+
+Descriptions stand below the geometry: triangles are taken as they stand in the file, before `geometry.mesh_repair`
+mends them.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +32,8 @@ class Filled(NamedTuple):
 def filled(mesh: Mesh) -> Filled:
     """Return the centre of mass and the volume of a body filled evenly.
 
-    The centre is the mean of the centres of the tetrahedra between triangles and a point in their middle, weighed with signed
-    volumes: where parts overlap, what they share counts twice.
+    The centre is the mean of the centres of the tetrahedra between triangles and a point in their middle, weighed with
+    signed volumes: where parts overlap, what they share counts twice.
 
     Raises:
         FileError: the file cannot be read, is not that which was described, or encloses nothing.
