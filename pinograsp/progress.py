@@ -11,7 +11,7 @@ class Progress:
     """The state of a piece of work that goes on."""
 
     stage: str
-    """The work: compiling, convex pieces, start database, sorting, starts, resistance, certificates, ..."""
+    """The work: meshes, compiling, convex pieces, start database, sorting, starts, resistance, certificates, ..."""
     done: int
     """Pieces of it that are done."""
     total: int | None = None

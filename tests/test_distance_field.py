@@ -24,7 +24,8 @@ from pinograsp.geometry.distance_field import (
 )
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_cache import mesh_field
-from pinograsp.geometry.point_trees import nearest_points, point_trees
+from pinograsp.geometry.hulls import Hull
+from pinograsp.geometry.point_trees import deepest_point, nearest_points, point_trees
 
 THINGS = list(meshes.THINGS)
 
@@ -194,3 +195,17 @@ def test_the_nearest_of_many_points_is_found(name: str) -> None:
             assert values[i] == pytest.approx(min(distances.min(), caps[i]), abs=1e-9)
             if values[i] < caps[i]:
                 assert field_distances(field, nearest[i][None])[0][0] == pytest.approx(values[i], abs=1e-12)
+
+
+def test_the_deepest_point_in_a_solid_is_found() -> None:
+    """As if every point and facet were asked, for solids that hold some of the points, and none."""
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-0.05, 0.05, (2000, 3))
+    trees = point_trees([points], [0])
+    for scale in (0.01, 0.03, 0.1):
+        hull = Hull(rng.normal(size=(30, 3)) * scale + rng.normal(scale=0.05, size=3))
+        depth, point, facet = deepest_point(trees, hull.normals, hull.offsets)
+        beyond = points @ hull.normals.T - hull.offsets
+        assert depth == pytest.approx(beyond.max(axis=1).min())
+        assert point in points
+        assert point @ hull.normals[facet] - hull.offsets[facet] == pytest.approx(depth)

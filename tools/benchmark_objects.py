@@ -61,7 +61,7 @@ OBJECTS: dict[str, tuple[ShapeDescription, RollPitchYaw]] = {
 }
 """Shape, and roll, pitch, yaw, rad, by name."""
 GRIP = 20.0
-"""Greatest force of a pad on a foreign mesh, N: the least that a 2F-85 can be set to. Of shapes it is the paper's, 5 N."""
+"""Greatest force of a pad on a foreign mesh, N: the least that a 2F-85 can be set to. On shapes, the paper's 5 N."""
 FACTS = ("triangles", "width, mm", "convex", "watertight")
 COLUMNS = (
     *("verified", "refuted", "best V", "gap, um", "tilt, deg", "worst"),
@@ -122,10 +122,10 @@ def main() -> None:
     for name, thing in chosen.items():
         foreign = isinstance(thing, ForeignObject)
         cells = [name, *thing.cells] if foreign else [name]
-        scene = scene_of_mesh(thing) if foreign else scene_with(thing[0], np.zeros(3), thing[1])
         try:
+            scene = scene_of_mesh(thing) if foreign else scene_with(thing[0], np.zeros(3), thing[1])
             result = pinograsp.plan(robot, scene, "sphere", starts=arguments.starts, workers=arguments.workers)
-        except pinograsp.InputError as error:  # such as no pair of points that fits the hand
+        except pinograsp.InputError as error:  # such as a hole, or no pair of points that fits the hand
             cells.append(str(error))
         else:
             cells += row(result)

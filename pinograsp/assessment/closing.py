@@ -18,7 +18,8 @@ yields less than a thousandth of the motion: pads that are parallel whatever the
 HAND = 1e-2 puts the object before the hand: the object moves by 1e-4 of what the hand could do in its place.
 Levenberg-Marquardt steps lead there; one that leaves c = 0, which curves, is brought back by a second one. If what of
 the object is at the contact point p moves by dp, the distance there changes by -n . dp, and the normal by
-omega x n - H dp, H the Hessian of the distance.
+omega x n - H dp, H the Hessian of the distance. On a mesh n and H are those of the smoothed distance, which pads feel,
+and a contact bears within the tilt that the rubber of its pad evens out.
 
 Bounds. A synergy that comes to its limit stays there. A contact that leaves its pad is not drawn back: it may slide
 along its footprint, with object and fingers where they are (a flat pad on a flat side touches at other points too); if
@@ -42,6 +43,7 @@ from ..geometry.shapes import Surface
 from ..kinematics.contacts import ContactKinematics, contact_kinematics
 from ..kinematics.forward import Configuration, forward
 from ..kinematics.robot import SLIP_STEP, Robot
+from ..problem.constraints.pad_tilt import half_sides
 
 CONTACT = 1e-3
 HAND = 1e-2
@@ -51,7 +53,7 @@ DONE = 1e-8
 GAIN = 1e-12
 """Decrease of the sum, m^2, below which it ends as well."""
 GAP, TILT = 1e-5, 1e-3
-"""Gap, m, and angle, rad, of a contact that bears: half of what the verification allows."""
+"""Gap, m, and angle, rad, of a contact that bears: half of what the verification allows where rubber does not yield."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,8 @@ class Closing:
         self._robot, self._surface = robot, surface
         self.size = surface.radius
         """Of the object: radius of a ball about its frame's origin that holds it, m."""
+        yielding = [pad.description.rubber_depth / half_sides(pad.patch).max() for pad in robot.pads]
+        self._tilts = np.array(yielding) if surface.uneven else np.full(len(robot.pads), TILT)
         self._data = robot.model.createData()
         arm, (low, high) = robot.arm_size, robot.parameter_limits.T
         self._hand = robot.posture_size - arm
@@ -166,7 +170,7 @@ class Closing:
     def _bears(self, place: _Place) -> bool:
         """Whether every contact is on the object's surface, pad and object tangent."""
         gaps, tilts = np.split(np.abs(place.values), [len(self._robot.pads)])
-        return bool(gaps.max() < GAP and tilts.max() < TILT * self.size)
+        return bool(gaps.max() < GAP and (tilts.reshape(-1, 3).max(axis=1) < self._tilts * self.size).all())
 
     def _place(self, q_arm: Array, T_displaced: Array, z: Array) -> _Place:
         """Return the conditions where object and hand have moved to z; T_displaced is where the object was."""
@@ -176,8 +180,9 @@ class Closing:
         contacts = contact_kinematics(configuration, variables[self._hand :])
         T, turn = moved(T_displaced, z[:3], z[3:6] / self.size)
         R, arms = T[:3, :3], contacts.points - T[:3, 3]
-        distances, normals, hessians = self._surface.signed_distance(arms @ R)
-        normals, hessians = normals @ R.T, R @ hessians @ R.T
+        distances, gradients, _ = self._surface.signed_distance(arms @ R)
+        normals, turning = self._surface.footprint(arms @ R)
+        gradients, normals, turning = gradients @ R.T, normals @ R.T, R @ turning @ R.T
         # Of pads against the object, in z: how points and normals move.
         points, directions = np.zeros((n, 3, len(z))), np.zeros((n, 3, len(z)))
         points[:, :, :3], points[:, :, 3:6] = -np.eye(3), skew(arms) @ (turn / self.size)
@@ -185,8 +190,8 @@ class Closing:
         directions[:, :, 3:6] = -skew(normals) @ (turn / self.size)
         directions[:, :, 6:] = contacts.d_normals[:, :, arm:] * self._unit
         values = np.concatenate([distances, self.size * (contacts.normals + normals).ravel()])
-        d_sums = self.size * (directions + hessians @ points)
-        jacobian = np.vstack([(normals[:, None] @ points)[:, 0], d_sums.reshape(3 * n, -1)])
+        d_sums = self.size * (directions + turning @ points)
+        jacobian = np.vstack([(gradients[:, None] @ points)[:, 0], d_sums.reshape(3 * n, -1)])
         return _Place(z, T, configuration, contacts, values, jacobian)
 
     def _solved(

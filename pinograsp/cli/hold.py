@@ -23,6 +23,8 @@ from .terminal import Terminal
 NOT_HELD = 1
 BEST = 20
 """Grasps that are tested where nothing else is asked for."""
+COARSE = 5e-4
+"""From which distance on it is said that convex pieces stand off an object where pads touch, m."""
 
 
 def register(app: typer.Typer) -> None:
@@ -199,6 +201,10 @@ def _lines(outcomes: Sequence[pinograsp.HoldOutcome], options: HoldOptions) -> l
     for link in sorted({link for outcome in outcomes for link in outcome.touching}):
         touched = [str(outcome.grasp) for outcome in outcomes if link in outcome.touching]
         lines.append(f"{link} touches the object other than with a pad: grasp {', '.join(touched)}")
+    for outcome in outcomes:
+        if outcome.standoff > COARSE:
+            off = f"{1e3 * outcome.standoff:.1f} mm off it where pads touch: this proves nothing of the object itself"
+            lines.append(f"grasp {outcome.grasp}: the convex pieces that stand for the object are {off}")
     for name in outcomes[0].controls:
         holding = [str(outcome.grasp) for outcome in outcomes if outcome.controls[name]]
         said = f"holds with grasp {', '.join(holding)}: the test proves nothing" if holding else "drops every object"

@@ -9,9 +9,13 @@ the points, p, lies on that at most spacing / sqrt(3) from q. So |p - o|^2 = |p 
 
 links are kept off the object, and whatever sticks out of the object is kept out of the links.
 
+Where a link is deep in a thin wall, points of the link say nothing: they are out again on the other side. So of a
+convex solid that touches the object, the depth of the object's surface in the solid counts, too: with the outward
+normal n and the offset b of the facet that is nearest to the deepest point p of the surface, n . p - b.
+
 With the signed distance d of the object and its gradient g at the nearest point p of a solid,
 
-    dd/dq = g . (velocity of p)
+    dd/dq = g . (velocity of p),    d(n . p - b)/dq = -n . (velocity of the link at p)
 """
 
 from __future__ import annotations
@@ -52,6 +56,15 @@ PAD_SPACING = 0.002
 """Between points of the face of a pad, m."""
 
 
+class Facets(NamedTuple):
+    """Facets of a convex solid, joint's frame."""
+
+    normals: Array
+    """Outward unit normals, shape (k, 3)."""
+    offsets: Array
+    """normal . p on the facets, m, shape (k,)."""
+
+
 class PointSet(NamedTuple):
     """Points of a solid of a link, or of a part of a pad's face."""
 
@@ -67,6 +80,8 @@ class PointSet(NamedTuple):
     """Largest distance of a point of a facet from the nearest of them, m."""
     within: float
     """How far they may be within the solid, m."""
+    hull: Facets | None = None
+    """Of a convex solid that keeps off the object."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +108,16 @@ class ObjectPoints:
         caps = self.least + REACH
         values, points = surface.nearest_points(self.trees, rotations, translations, caps)
         indices = np.flatnonzero(values < caps)
-        normals = surface.signed_distance(points[indices])[1] @ R.T
+        local = surface.signed_distance(points[indices])[1]
+        for row, index in enumerate(indices.tolist()):
+            found = self.sets[index]
+            if found.hull is not None and values[index] < found.apart:
+                facets = found.hull.normals @ rotations[found.joint].T
+                offsets = found.hull.offsets + facets @ translations[found.joint]
+                depth, point, facet = surface.deepest_point(facets, offsets)
+                if depth < min(values[index], 0.0):
+                    values[index], points[index], local[row] = depth, point, -facets[facet]
+        normals = local @ R.T
         moves = self.robot.supports[self.trees.bodies[indices]]
         gradients = distance_gradients(
             points[indices] @ R.T + origin, normals, configuration.jacobian, moves, self.robot.B
@@ -160,7 +184,8 @@ def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
                     some = points[rubber == yields]
                     if len(some):
                         apart = spacing / math.sqrt(3.0)
-                        sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within))
+                        facets = None if behind else _facets(solid, _hulls(robot, body.name)[number])
+                        sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within, facets))
     return sets
 
 
@@ -192,6 +217,13 @@ def _on_solid(robot: Robot, link: str, number: int, spacing: float) -> tuple[Arr
             R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
             points = points[~hull.holds((points - origin) @ R, HIDDEN)]
     return points, within
+
+
+def _facets(solid: Solid, hull: Hull | None) -> Facets | None:
+    if hull is None:
+        return None
+    normals = hull.normals @ solid.placement[:3, :3].T
+    return Facets(normals, hull.offsets + normals @ solid.placement[:3, 3])
 
 
 @remembered

@@ -44,17 +44,18 @@ class Hull:
         """m^3."""
         self.normals: Array = hull.equations[:, :3]
         """Outward unit normals of the facets, shape (facets, 3)."""
-        self._offsets: Array = hull.equations[:, 3]
+        self.offsets: Array = -hull.equations[:, 3]
+        """normal . p on the facets, m, shape (facets,)."""
         self._low, self._high = hull.min_bound - _TOUCHING, hull.max_bound + _TOUCHING
 
     def outside(self, points: Array) -> Array:
         """Return how far points, shape (n, 3), are beyond the facet that they are farthest beyond, m, shape (n,)."""
-        return np.asarray((points @ self.normals.T + self._offsets).max(axis=1))
+        return np.asarray((points @ self.normals.T - self.offsets).max(axis=1))
 
     def holds(self, points: Array, depth: float = -_TOUCHING) -> Mask:
         """Return which of the points, shape (n, 3), are in the hull or on it, or so deep in it, m."""
         inside: Mask = ((points >= self._low) & (points <= self._high)).all(axis=1)
-        inside[inside] = (points[inside] @ self.normals.T <= -depth - self._offsets).all(axis=1)
+        inside[inside] = (points[inside] @ self.normals.T <= -depth + self.offsets).all(axis=1)
         return inside
 
 

@@ -121,6 +121,54 @@ def nearest_points(
 
 
 @compiled
+def deepest_point(trees: PointTrees, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+    """Return how far the first set is outside a convex solid, negative inside, m, its point there, and the facet.
+
+    Args:
+        trees: the set.
+        normals: outward unit normals of the facets in the frame of the set, shape (k, 3).
+        offsets: normal . p on the facets, m, shape (k,).
+    """
+    least, nearest, facet = np.inf, np.zeros(3), 0
+    waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
+    waiting[0], bounds[0] = trees.roots[0], -np.inf
+    count = 1
+    while count:
+        count -= 1
+        if bounds[count] >= least:
+            continue
+        first, second = trees.parts[waiting[count]]
+        if second < 0:
+            for k in range(first, first - 1 - second):
+                value, which = _outside(normals, offsets, trees.points[k])
+                if value < least:
+                    least, facet = value, which
+                    nearest[:] = trees.points[k]
+            continue
+        one = _outside(normals, offsets, trees.centers[first])[0] - trees.radii[first]
+        other = _outside(normals, offsets, trees.centers[second])[0] - trees.radii[second]
+        if one < other:
+            first, second, one, other = second, first, other, one
+        waiting[count], bounds[count] = first, one
+        waiting[count + 1], bounds[count + 1] = second, other
+        count += 2
+    return least, nearest, facet
+
+
+@compiled
+def _outside(normals: Array, offsets: Array, point: Array) -> tuple[float, int]:
+    """Return how far a point is beyond the facet that it is farthest beyond, m, and which that is."""
+    most, facet = -np.inf, 0
+    for k in range(len(offsets)):
+        beyond = -offsets[k]
+        for axis in range(3):
+            beyond += normals[k, axis] * point[axis]
+        if beyond > most:
+            most, facet = beyond, k
+    return most, facet
+
+
+@compiled
 def _moved(R: Array, t: Array, point: Array) -> tuple[float, float, float]:
     a, b, c = point[0], point[1], point[2]
     return (

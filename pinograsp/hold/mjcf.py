@@ -20,12 +20,14 @@ from ..arrays import Array, Integers
 from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..errors import InputError
+from ..geometry.shapes import surface_of
 from ..results import Grasp, Setup
 from ..verification.check import Verifier
 from ..verification.kinematics import Poses
 from ..verification.robot import read_robot
 from .drive import Drive, coupled, numbers, servos
 from .hand import HandLink, factors, hand_links
+from .object_pieces import Standoff
 from .objects import object_body, placed, required_mass
 from .options import HoldOptions
 from .pads import pad_geom, torsional_friction
@@ -114,6 +116,19 @@ class HandAndObject:
     def links(self) -> tuple[str, ...]:
         """Names of the hand's links."""
         return tuple(link.name for link in self._links)
+
+    @cached_property
+    def _standoff(self) -> Standoff:
+        return Standoff(surface_of(self._object.shape).tessellation().corners, self._body.pieces)
+
+    def standoff(self, grasp: Grasp) -> float:
+        """Return how far the convex pieces of the object stand off what pads touch, m; 0 where there are none."""
+        if not self._body.pieces:
+            return 0.0
+        T = self._object.pose.matrix
+        depths = {pad.name: pad.rubber_depth for pad in self._robot.pads}
+        contacts = ((T[:3, :3].T @ (c.point - T[:3, 3]), T[:3, :3].T @ c.normal, depths[c.pad]) for c in grasp.contacts)
+        return max(self._standoff.at(*contact) for contact in contacts)
 
     def model(self, grasp: Grasp, *, shown: bool = False) -> HoldModel:
         """Return the model of a grasp.

@@ -21,6 +21,8 @@ PIECES, TOLERANCE = 64, 2e-4
 NEAR, FACING = 0.01, 0.5
 """What is looked at around a contact, m, and the cosine of the largest angle between it and the contact's normal."""
 _SAMPLES = 60_000
+_ALONG, _BESIDE = 1e-6, 1e-9
+"""Cosine below which a facet is along a direction, and how far points beside a piece count as in it, m."""
 
 
 def object_pieces(shape: Mesh) -> tuple[Array, ...]:
@@ -61,10 +63,11 @@ class Standoff:
         # Every point of a spread carries the normal of its triangle: triangles are spread alike with these as corners.
         self._points = spread(triangles, sizes, _SAMPLES)
         self._normals = spread(np.repeat(normals[:, None], 3, axis=1), sizes, _SAMPLES)
-        self._hulls = [Hull(piece) for piece in pieces]
+        hulls = [Hull(piece) for piece in pieces]
+        self._planes = [(hull.normals, (hull.normals * hull.triangles[:, 0]).sum(axis=1)) for hull in hulls]
 
     def at(self, point: Array, normal: Array, depth: float) -> float:
-        """Return the largest distance by which the pieces stand off what a pad touches, m.
+        """Return by how much the pieces stand off what a pad touches, along the contact's normal, m.
 
         Args:
             point: contact point, shape (3,).
@@ -74,4 +77,12 @@ class Standoff:
         arms = self._points - point
         near = (np.linalg.norm(arms, axis=1) < NEAR) & (np.abs(arms @ normal) <= depth)
         touched = np.vstack([point, self._points[near & (self._normals @ normal > FACING)]])
-        return max(0.0, *(float((-hull.outside(touched)).max()) for hull in self._hulls))
+        return max(float(_through(touched, normal, *planes).max()) for planes in self._planes)
+
+
+def _through(points: Array, direction: Array, normals: Array, offsets: Array) -> Array:
+    """Return how far it is along a direction out of a convex piece, 0 from points that are not in it, m, shape (n,)."""
+    depths = offsets - points @ normals.T
+    slopes = normals @ direction
+    ways = np.where(slopes > _ALONG, np.maximum(depths, 0.0) / np.maximum(slopes, _ALONG), np.inf).min(axis=1)
+    return np.where(depths.min(axis=1) > -_BESIDE, ways, 0.0)

@@ -53,6 +53,9 @@ class HoldOutcome(Record):
     """Largest rotation, alike, rad."""
     sag: float
     """Displacement of the object from its planned pose when it had settled, m."""
+    standoff: float
+    """How far the convex pieces that stand for a mesh, or a cone, are off the surface where pads touch it, m; 0 for
+    other shapes. What is measured with more than some tenths of a millimetre is another object's."""
     pads: tuple[PadForce, ...]
     """Pads at rest; all measured forces are 0 if the object was lost before."""
     touching: tuple[str, ...]

@@ -119,6 +119,7 @@ class HoldTest:
             distance=max((phase.distance for phase in after), default=phases[0].distance),
             angle=max((phase.angle for phase in after), default=phases[0].angle),
             sag=phases[0].distance,
+            standoff=self._bodies.standoff(grasp),
             pads=tuple(PadForce(pad, force, forces.get(pad, 0.0)) for pad, force in planned.items()),
             touching=tuple(sorted({link for phase in phases for link in phase.touched})),
             first_slip=slip,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..kinematics.contacts import pad_poses
 from ..kinematics.wrist import wrist_pose
-from ..problem import State
+from ..problem import State, TaskModel
 from ..results import Contact, Cost, Grasp
 from ..verification import Certificate, Claim
+from ..verification.check import Verifier
 
 
 def claim_of(state: State) -> Claim:
@@ -69,4 +72,22 @@ def grasp_of(start: int | None, state: State, claim: Claim, certificate: Certifi
         ),
         certificate=certificate,
         T_world_wrist=wrist_pose(state.configuration),
+    )
+
+
+def exact(grasp: Grasp, model: TaskModel, verifier: Verifier) -> Grasp:
+    """Return a grasp with normals and V from the triangles of its object, if it is uneven: the solver interpolates.
+
+    Args:
+        grasp: of the task.
+        model: the task.
+        verifier: of the same task.
+    """
+    if not model.surface.uneven:
+        return grasp
+    derived = verifier.derive(grasp.claim)
+    return replace(
+        grasp,
+        cost=Cost(grasp.cost.phi_mm2 + model.task.force_weight * derived.V, grasp.cost.phi_mm2, derived.V),
+        contacts=tuple(replace(c, normal=n) for c, n in zip(grasp.contacts, derived.normals, strict=True)),
     )

@@ -13,7 +13,7 @@ from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
-from ..planning.assemble import claim_of, grasp_of
+from ..planning.assemble import claim_of, exact, grasp_of
 from ..problem import DesiredPoints, State, TaskModel
 from ..problem.proposals import Candidate
 from ..results import Grasp
@@ -109,7 +109,9 @@ def certify(index: int, state: State, verifier: Verifier) -> tuple[Certificate, 
     """Return the certificate of a state that the start of a number led to, and the grasp if it is verified."""
     claim = claim_of(state)
     certificate = verifier.check(claim)
-    return certificate, grasp_of(index, state, claim, certificate) if certificate.verified else None
+    if not certificate.verified:
+        return certificate, None
+    return certificate, exact(grasp_of(index, state, claim, certificate), state.model, verifier)
 
 
 def attempts_of(model: TaskModel, solver_of: Callable[[TaskModel], Solver]) -> Callable[[Item], Attempt]:

@@ -17,7 +17,7 @@ from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.projection import nearest_assignment
 from ..verification.check import Verifier
-from .assemble import claim_of, grasp_of
+from .assemble import claim_of, exact, grasp_of
 
 STEPS = 20
 TOWARDS_DESIRED = 1e-3
@@ -47,7 +47,7 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
     state = _touching(model, posture)
     claim = claim_of(state)
     claim = replace(claim, joints={**claim.joints, **given})
-    grasp = grasp_of(None, state, claim, verifier.certify(claim))
+    grasp = exact(grasp_of(None, state, claim, verifier.certify(claim)), model, verifier)
     # The wrist and the pads are where the given joints have them, even if these keep to no synergy.
     derived = verifier.derive(claim)
     placed = zip(grasp.contacts, derived.T_world_pads, strict=True)

@@ -50,6 +50,7 @@ from .attempt import (
 from .bound import least_U
 from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
+from .meshes import prepare_meshes
 from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
 
@@ -93,9 +94,10 @@ class Planner:
         executor: takes their place: any `concurrent.futures.Executor` of processes, such as Dask's
             `client.get_executor()`. It is not shut down.
         options: how each start is solved.
-        progress: called as the work goes on, in this process: once on a machine `convex pieces` of the robot's
-            meshes, `compiling`, and `start database` with its `sorting`; then `starts` and the `resistance` of the
-            grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found until then.
+        progress: called as the work goes on, in this process: once on a machine the `meshes` of the scene, `convex
+            pieces` of the robot's meshes, `compiling`, and `start database` with its `sorting`; then `starts` and the
+            `resistance` of the grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found
+            until then.
 
     Raises:
         InputError: an argument is of another class, a number is out of range, or workers and executor are both given.
@@ -311,6 +313,7 @@ class Planner:
         Raises:
             InputError: the task does not exist, or makes no sense for this robot and scene.
         """
+        prepare_meshes(self._scene, self._scene.task(task), self._report)
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         return model, tuple(check_task(model))

@@ -10,6 +10,7 @@ import numpy as np
 from ..collision.solids import distance_request, scene_body
 from ..descriptions import Scene, Task
 from ..descriptions.scene import Body
+from ..descriptions.shapes import Compound, Mesh
 from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
 from ..geometry.tessellation import refined
@@ -30,10 +31,12 @@ def check_placement(scene: Scene, task_name: str) -> None:
     """Refuse a task that cannot be meant in its scene, whatever the robot.
 
     Raises:
-        TaskError: the object reaches beyond a wall or into another body, or a desired contact is off the surface.
+        TaskError: the object reaches beyond a wall or into another body, a desired contact is off the surface, or the
+            object is a compound with a mesh.
         UnknownNameError: the scene has no such task.
     """
     task = scene.task(task_name)
+    _no_mesh_in_compound(scene, task)
     surface = surface_of(scene.objects[task.object].shape)
     _object_inside(scene, task, surface)
     _object_apart(scene, task)
@@ -58,6 +61,18 @@ def check_task(model: TaskModel) -> list[str]:
     if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
         _jaw_wide_enough(model)
     return [*mesh_findings(model.scene, model.task), *check_region(model)]
+
+
+def _no_mesh_in_compound(scene: Scene, task: Task) -> None:
+    """Refuse to grasp a compound with a mesh: what its pads feel there would be single facets."""
+    shape = scene.objects[task.object].shape
+    if isinstance(shape, Compound) and any(isinstance(part.shape, Mesh) for part in shape.parts):
+        raise TaskError(
+            "a compound with a mesh cannot be grasped, only be in the way",
+            file=scene.source,
+            key=f"objects.{task.object}.shape",
+            remedy="Put all parts into one mesh file; they may overlap in it",
+        )
 
 
 def _object_inside(scene: Scene, task: Task, surface: Surface) -> None:
@@ -93,8 +108,12 @@ def _object_apart(scene: Scene, task: Task) -> None:
 
 
 def _depth(first: Body, second: Body) -> float:
-    """Return how far one body must be moved to be clear of the other, m; negative: their distance."""
-    if any(surface_of(body.shape).uneven for body in (first, second)):
+    """Return how far one body must be moved to be clear of the other, m; negative: their distance, or less."""
+    surfaces = [surface_of(body.shape) for body in (first, second)]
+    apart = np.linalg.norm(first.pose.matrix[:3, 3] - second.pose.matrix[:3, 3]) - sum(s.radius for s in surfaces)
+    if apart > 0.0:
+        return -float(apart)
+    if any(surface.uneven for surface in surfaces):
         return max(_points_inside(first, second), _points_inside(second, first))
     request = distance_request()
     distances = []

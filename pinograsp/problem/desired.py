@@ -15,5 +15,5 @@ class DesiredPoints(NamedTuple):
     normals: Array
     """Outward normals of the surface there that pads are to look at; zero where any will do, shape (n, 3).
 
-    Of the desired contacts of a task those on flat faces have one, of points that are proposed all.
+    Of the desired contacts of a task those on flat faces and uneven surfaces have one, of points that are proposed all.
     """

@@ -55,8 +55,8 @@ class TaskModel:
         self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
         """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        wrench = self.scene.wrench_of(self.task)
-        self.load = Load(target.center_of_mass_world, wrench.vector, self.surface.radius)
+        wrench, size = self.scene.wrench_of(self.task), self.surface.radius_about(target.center_of_mass_object)
+        self.load = Load(target.center_of_mass_world, wrench.vector, size)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.
@@ -77,6 +77,8 @@ class TaskModel:
     def desired(self, points: Array) -> DesiredPoints:
         """Return points of the surface, in the object's frame, m, shape (n, 3), as places where contact is wanted."""
         points = points.reshape(-1, 3) @ self.T_world_object[:3, :3].T + self.T_world_object[:3, 3]
+        if self.surface.uneven:
+            return DesiredPoints(points, self.footprint(points)[0])
         faces = [self.contact_face(point) for point in points]
         normals = [face.normal if isinstance(face, Flat) else np.zeros(3) for face in faces]
         return DesiredPoints(points, np.array(normals).reshape(-1, 3))

@@ -68,8 +68,21 @@ class Surface(Protocol):
         """
         ...
 
+    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+        """Return how deep an uneven surface is in a convex solid, negative, m, its point there, and the facet.
+
+        Args:
+            normals: outward unit normals of the solid's facets in the surface's frame, shape (k, 3).
+            offsets: normal . p on the facets, m, shape (k,).
+        """
+        ...
+
     def exact_distances(self, points: Array) -> Array:
         """Return the signed distances (n,) of points (n, 3) as exactly as they can be had, slowly."""
+        ...
+
+    def radius_about(self, point: Array | tuple[float, float, float]) -> float:
+        """Return the radius of a ball around a point that contains the shape, m."""
         ...
 
     def nearest_part(self, points: Array) -> Indices:

@@ -11,6 +11,7 @@ from ..point_trees import PointTrees
 class Exact:
     """A surface whose signed distance is exact, and its gradient what a pad feels."""
 
+    radius: float
     uneven = False
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
@@ -27,6 +28,14 @@ class Exact:
     ) -> tuple[Array, Array]:
         """Coal measures such shapes."""
         raise NotImplementedError
+
+    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+        """Coal measures such shapes."""
+        raise NotImplementedError
+
+    def radius_about(self, point: Array | tuple[float, float, float]) -> float:
+        """Return that of the ball around the origin, and the way from there."""
+        return self.radius + float(np.linalg.norm(point))
 
     def exact_distances(self, points: Array) -> Array:
         """Return the distances."""

@@ -21,12 +21,14 @@ from ..exact_distance import ExactDistance
 from ..field_cache import mesh_field
 from ..hulls import Hull
 from ..object_mesh import object_mesh
-from ..point_trees import PointTrees, nearest_points
-from ..tessellation import Tessellation
+from ..point_trees import PointTrees, deepest_point, nearest_points, point_trees
+from ..tessellation import Tessellation, refined
 
 PIECES, TOLERANCE = 12, 0.002
 """Of the cover that stands for the body as an obstacle: largest number of pieces, and distance to the mesh below which
 a piece is not divided any more, m."""
+SPACING = 0.003
+"""Longest edge between points of the surface that are looked for in links, m."""
 CONVEX = 0.99
 """Share of its convex hull that a body fills if it counts as convex."""
 
@@ -82,9 +84,21 @@ class BodySurface:
         """Return the least signed distance of sets of points, or their cap, and the point there."""
         return nearest_points(sets, self.field, rotations, translations, caps)
 
+    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+        """Return how deep the surface is in a convex solid, the point there of those `SPACING` apart, and the facet."""
+        return deepest_point(self._points, normals, offsets)
+
+    @cached_property
+    def _points(self) -> PointTrees:
+        return point_trees([refined(self.tessellation(), SPACING).vertices], [0])
+
     def exact_distances(self, points: Array) -> Array:
         """Return the signed distances to the triangles."""
         return self._exact.signed(points)
+
+    def radius_about(self, point: Array | tuple[float, float, float]) -> float:
+        """Return the distance of the corner that is farthest from the point."""
+        return float(np.linalg.norm(self._vertices - point, axis=1).max())
 
     def nearest_part(self, points: Array) -> Indices:
         """Return 0 for every point."""
