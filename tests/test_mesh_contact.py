@@ -18,6 +18,7 @@ from pinograsp.descriptions import Scene
 from pinograsp.errors import TaskError
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.hulls import Hull
+from pinograsp.geometry.patches import half_sides
 from pinograsp.geometry.point_trees import PointTrees
 from pinograsp.geometry.tessellation import Tessellation, refined
 from pinograsp.kinematics.robot import Robot
@@ -25,7 +26,7 @@ from pinograsp.problem import GraspProblem, TaskModel, check_placement
 from pinograsp.problem.constraints.object_clearance import object_clearance
 from pinograsp.problem.constraints.pad_depth import pad_depth
 from pinograsp.problem.constraints.pad_tangency import tilt_of
-from pinograsp.problem.constraints.pad_tilt import PadTilt, half_sides
+from pinograsp.problem.constraints.pad_tilt import PadTilt
 from pinograsp.problem.costs.pad_tilt import LEVER
 from pinograsp.problem.costs.pad_tilt import pad_tilt as tilt_cost
 from pinograsp.solve.local import LocalSolver, Solution

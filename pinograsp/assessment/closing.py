@@ -39,11 +39,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Mask, skew
+from ..geometry.patches import half_sides
 from ..geometry.shapes import Surface
 from ..kinematics.contacts import ContactKinematics, contact_kinematics
 from ..kinematics.forward import Configuration, forward
 from ..kinematics.robot import SLIP_STEP, Robot
-from ..problem.constraints.pad_tilt import half_sides
 
 CONTACT = 1e-3
 HAND = 1e-2

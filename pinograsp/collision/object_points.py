@@ -28,9 +28,8 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Mask
-from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch
 from ..geometry.hulls import FlatError, Hull
-from ..geometry.patches import above, patch_point
+from ..geometry.patches import above, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
 from ..geometry.shapes import Surface
@@ -264,35 +263,17 @@ def _simplified(vertices: Array, cell: float) -> tuple[Array, float]:
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:
     """Return points of the four quarters of a pad's face."""
-    first, second = _ranges(pad.patch)
+    first, second = face_ranges(pad.patch)
     found = []
     for u in _halves(*first):
         for v in _halves(*second):
-            grid = np.array([_face_point(pad.patch, a, b) for a in u for b in v])
+            grid = np.array([face_point(pad.patch, a, b) for a in u for b in v])
             points = grid @ pad.rotation.T + pad.translation
             found.append(PointSet(pad.description.link, pad.joint, points, (number,), True, 0.0, 0.0))
     return found
-
-
-def _ranges(patch: Patch) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Return the ranges of two parameters that span the face of a patch, each with metres a unit."""
-    if isinstance(patch, LinePatch):
-        return (*patch.u, 1.0), (-0.5 * patch.width, 0.5 * patch.width, 1.0)
-    if isinstance(patch, PlanePatch):
-        return (*patch.u, 1.0), (*patch.v, 1.0)
-    if isinstance(patch, CylinderPatch):
-        return (*patch.u, 1.0), (*patch.v, patch.radius)
-    return (*patch.u, patch.radius), (*patch.v, patch.radius)
 
 
 def _halves(low: float, high: float, length: float) -> list[Array]:
     """Return values from the lower end to the middle and from there to the upper end, at most `PAD_SPACING` apart."""
     middle, count = 0.5 * (low + high), 1 + math.ceil(0.5 * (high - low) * length / PAD_SPACING)
     return [np.linspace(low, middle, count), np.linspace(middle, high, count)]
-
-
-def _face_point(patch: Patch, u: float, v: float) -> Array:
-    """Return a point of the face, patch frame, m, shape (3,)."""
-    if isinstance(patch, LinePatch):
-        return np.array([u, v, 0.0])
-    return patch_point(patch, np.array([u, v])).point

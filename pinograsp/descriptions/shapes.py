@@ -19,7 +19,7 @@ from .pose import Pose
 from .values import NotNegative, Positive, Sizes3, listed, wrong
 
 if TYPE_CHECKING:
-    from .mesh_centroid import Filled
+    from .filled_mesh import Filled
 
 
 class ShapeDescription(Frozen):
@@ -161,7 +161,7 @@ class Mesh(ShapeDescription, MeshFile):
 
     @cached_property
     def _filled(self) -> Filled:
-        from .mesh_centroid import filled  # which needs more time to import than all of the descriptions
+        from .filled_mesh import filled  # which needs more time to import than all of the descriptions
 
         return filled(self)
 

@@ -1,22 +1,21 @@
 """Convex covers of mesh files, kept in the user's cache folder.
 
 A cover is found by the content of the mesh and by what decides how it is cut; where it is there, the mesh is not
-even parsed. A damaged file of the cache is computed again, and a folder that cannot be written costs time only.
+even parsed.
 """
 
 from __future__ import annotations
 
-import contextlib
-import io
-import zlib
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
 
+from ..array_cache import kept
 from ..arrays import Array
-from ..disk import cache_folder, digest, write_whole
+from ..disk import digest
 from ..errors import InputError
 from .covers import VERSION, cover
 from .hulls import FlatError
@@ -60,39 +59,27 @@ def body_cover(name: str, triangles: Array, pieces: int, tolerance: float) -> Pi
         FlatError: the mesh lies in one plane.
     """
     key = digest(f"{VERSION} {pieces} {tolerance} ".encode() + triangles.tobytes())
-    file = cache_folder() / "covers" / f"{name}-{key[:32]}.npz"
-    found = _load(file)
-    if found is None:
-        found = tuple(cover(triangles, pieces, tolerance))
-        _save(file, found)
-    return found
+    return _kept(name, key, lambda: tuple(cover(triangles, pieces, tolerance)))
 
 
 @lru_cache(maxsize=256)  # worker processes that are forked have it all
 def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: float) -> Pieces:
-    file = cache_folder() / "covers" / f"{mesh.stem}-{key[:32]}.npz"
-    found = _load(file)
-    if found is None:
+    def make() -> Pieces:
         try:
-            found = tuple(cover(read_triangles(mesh) * np.array(scale), pieces, tolerance))
+            return tuple(cover(read_triangles(mesh) * np.array(scale), pieces, tolerance))
         except FlatError:
             raise InputError("the collision mesh has no volume", file=mesh) from None
-        _save(file, found)
-    return found
+
+    return _kept(mesh.stem, key, make)
 
 
-def _load(file: Path) -> Pieces | None:
-    """Return the content of a file, or None if it is not there or of no use."""
-    try:
-        with file.open("rb") as stream, np.load(stream) as data:
-            return tuple(np.split(data["vertices"].reshape(-1, 3), data["ends"][:-1]))
-    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
-        return None
+def _kept(name: str, key: str, make: Callable[[], Pieces]) -> Pieces:
+    return kept("covers", f"{name}-{key[:32]}", make, _arrays_of, _pieces_of)
 
 
-def _save(file: Path, pieces: Pieces) -> None:
-    """Write the whole file, or nothing where that is not possible."""
-    stream = io.BytesIO()
-    np.savez(stream, vertices=np.concatenate(pieces), ends=np.cumsum([len(piece) for piece in pieces]))
-    with contextlib.suppress(InputError):
-        write_whole(file, stream.getvalue())
+def _arrays_of(pieces: Pieces) -> dict[str, Any]:
+    return {"vertices": np.concatenate(pieces), "ends": np.cumsum([len(piece) for piece in pieces])}
+
+
+def _pieces_of(arrays: Mapping[str, Any]) -> Pieces:
+    return tuple(np.split(arrays["vertices"].reshape(-1, 3), arrays["ends"][:-1]))

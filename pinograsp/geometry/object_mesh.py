@@ -17,7 +17,9 @@ from ..descriptions.mesh_files import Unit, metres_in_unit
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
 from .mesh_content import MeshContent, Paint, read_content
-from .mesh_repair import NoBodyError, corners_of, repaired
+from .mesh_parts import corners_of
+from .mesh_repair import repaired
+from .no_body import NoBodyError
 
 SMALLEST = 0.002
 """A body that is smaller may have coordinates of another unit, m."""

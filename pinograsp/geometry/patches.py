@@ -1,7 +1,7 @@
 """The surfaces of pads as functions of their contact parameters, in the patch frame (x, y, outward normal).
 
-A patch gives the contact point c(u, v) and the normal there, with their derivatives, and how far points stand
-above it. `descriptions.patches` says what u and v are.
+A patch gives the contact point c(u, v) and the normal there, with their derivatives, how far points stand above it, and
+how large its face is. `descriptions.patches` says what u and v are.
 """
 
 from __future__ import annotations
@@ -14,6 +14,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.patches import CylinderPatch, LinePatch, Patch, PlanePatch, SpherePatch
+
+SMALLEST = 0.001
+"""Half side that a pad has at least, m: a line has some rubber beside it."""
 
 
 class PatchPoint(NamedTuple):
@@ -60,6 +63,43 @@ def inside_rim(patch: Patch, reserve: float) -> Array:
     closed = isinstance(patch, CylinderPatch | SpherePatch) & (limits[:, 1] - limits[:, 0] >= math.tau - 1e-9)
     step = np.where(closed, 0.0, reserve / lengths)
     return np.asarray(limits + step[:, None] * [1.0, -1.0])
+
+
+def rectangle(patch: PlanePatch | LinePatch) -> Array:
+    """Return the ranges of a flat patch along x and y of its frame, m, shape (2, 2)."""
+    across = patch.v if isinstance(patch, PlanePatch) else (-0.5 * patch.width, 0.5 * patch.width)
+    return np.array([patch.u, across])
+
+
+def half_sides(patch: Patch) -> Array:
+    """Return half the sides of a patch along x and y, those of curved ones their radius, m, shape (2,)."""
+    first, second = patch.parameters[0], patch.parameters[-1]
+    along = 0.5 * (first[1] - first[0])
+    if isinstance(patch, SpherePatch):
+        sides = (patch.radius, patch.radius)
+    elif isinstance(patch, CylinderPatch):
+        sides = (along, patch.radius)
+    else:
+        sides = (along, 0.5 * (patch.width if isinstance(patch, LinePatch) else second[1] - second[0]))
+    return np.maximum(sides, SMALLEST)
+
+
+def face_ranges(patch: Patch) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return the ranges of two parameters that span the face of a patch, each with metres a unit."""
+    if isinstance(patch, LinePatch):
+        return (*patch.u, 1.0), (-0.5 * patch.width, 0.5 * patch.width, 1.0)
+    if isinstance(patch, PlanePatch):
+        return (*patch.u, 1.0), (*patch.v, 1.0)
+    if isinstance(patch, CylinderPatch):
+        return (*patch.u, 1.0), (*patch.v, patch.radius)
+    return (*patch.u, patch.radius), (*patch.v, patch.radius)
+
+
+def face_point(patch: Patch, u: float, v: float) -> Array:
+    """Return the point of the face at these parameters, patch frame, m, shape (3,)."""
+    if isinstance(patch, LinePatch):
+        return np.array([u, v, 0.0])
+    return patch_point(patch, np.array([u, v])).point
 
 
 _UP = np.array([0.0, 0.0, 1.0])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..errors import InputError, UnknownNameError, close_names
 from ..kinematics.tree import UrdfTree
-from .findings import in_words, number_of
+from ..words import in_words, number_of
 
 LONGEST_FINGER = 5
 """Joints of a finger, if the arm has no more."""

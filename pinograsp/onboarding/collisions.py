@@ -18,7 +18,8 @@ from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
 from ..kinematics.tree import UrdfTree
-from .findings import Finding, in_words
+from ..words import in_words
+from .findings import Finding
 
 CENTRAL = 0.9
 """Part of a joint's range where zero counts as its neutral position; else the middle of the range does."""

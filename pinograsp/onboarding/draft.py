@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..frozen import Record
-from .findings import in_words, number_of
+from ..words import in_words, number_of
 from .parts import Parts
 
 

@@ -38,14 +38,3 @@ class LinkFigures(Record):
     """95 % of the pieces' outer boundary are nearer to the meshes than this, m; 0 for primitives."""
     most: float
     """The farthest of it, m."""
-
-
-def in_words(names: list[str], most: int = 4) -> str:
-    """Return names one after the other; of many, the first ones and how many more there are."""
-    shown = ", ".join(names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
-
-
-def number_of(count: int, what: str) -> str:
-    """Return a number with its noun, `1 pad`, `2 pads`."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"

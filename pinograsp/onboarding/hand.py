@@ -12,7 +12,8 @@ from ..arrays import Array
 from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
-from .findings import Finding, in_words, number_of
+from ..words import in_words, number_of
+from .findings import Finding
 
 POSTURES = 400
 """Postures of a hand with more than one synergy, drawn at random; of one synergy, a tenth, evenly."""

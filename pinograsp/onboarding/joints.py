@@ -10,7 +10,8 @@ import numpy as np
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import RobotUrdf
 from ..kinematics.robot import Robot
-from .findings import Finding, in_words, number_of
+from ..words import in_words, number_of
+from .findings import Finding
 
 WIDEST = {"revolute": 4 * math.pi, "prismatic": 10.0}
 """Limits farther apart than this, rad (m), are hardly those of a real joint."""

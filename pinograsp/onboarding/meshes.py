@@ -10,8 +10,9 @@ import numpy as np
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
+from ..words import in_words
 from .excess import link_covers
-from .findings import Finding, LinkFigures, in_words
+from .findings import Finding, LinkFigures
 
 LOOSE = 0.010
 """An excess beyond this keeps the robot farther off than it need be, m."""

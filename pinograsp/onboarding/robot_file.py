@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..descriptions.composition import Attachment
+from ..words import in_words, number_of
 from .facets import Facet
-from .findings import in_words, number_of
 from .parts import Parts, guessed_limits
 
 INSET = 0.001

@@ -22,6 +22,7 @@ from ..arrays import Array
 from ..compiled import compiled
 from ..descriptions.patches import CylinderPatch, LinePatch, PlanePatch
 from ..geometry.contact_faces import ContactFace, Flat, Ruling, clipped
+from ..geometry.patches import rectangle
 from .state import State
 
 PARALLEL = math.sin(math.radians(1.0))
@@ -54,12 +55,6 @@ def rays(state: State, pad: int) -> list[Ray]:
     return _of_line(state, pad, face, patch) if isinstance(patch, CylinderPatch) else []
 
 
-def rectangle(patch: PlanePatch | LinePatch) -> Array:
-    """Return the ranges of a flat patch along x and y of its frame, m, shape (2, 2)."""
-    across = patch.v if isinstance(patch, PlanePatch) else (-0.5 * patch.width, 0.5 * patch.width)
-    return np.array([patch.u, across])
-
-
 def frame(state: State, pad: int) -> tuple[Array, Array]:
     """Return rotation (3, 3) and origin (3,) of a patch frame in the world."""
     described, configuration = state.model.robot.pads[pad], state.configuration
@@ -86,7 +81,7 @@ def _velocities(point: Array, at: Array, linear: Array, angular: Array, B: Array
     return moves
 
 
-def _along(state: State, pad: int, line: Ruling, rectangle: Array) -> list[Ray]:
+def _along(state: State, pad: int, line: Ruling, ranges: Array) -> list[Ray]:
     """Return the two rays along a straight line of the object, up to the rims of a flat pad."""
     contacts = state.contacts
     R, origin = frame(state, pad)
@@ -98,7 +93,7 @@ def _along(state: State, pad: int, line: Ruling, rectangle: Array) -> list[Ray]:
         contacts.d_points[pad],
         d,
         np.zeros((3, 3)) if line.bend is None else line.bend,
-        rectangle,
+        ranges,
         contacts.linear[pad],
         contacts.angular[pad],
         state.model.robot.B,
@@ -118,7 +113,7 @@ def _crossings(
     d_c: Array,
     d: Array,
     bend: Array,
-    rectangle: Array,
+    ranges: Array,
     linear: Array,
     angular: Array,
     B: Array,
@@ -132,7 +127,7 @@ def _crossings(
         d_c: its derivative, shape (3, v).
         d: direction of the line, shape (3,).
         bend: derivative of d in c, 1/m, shape (3, 3).
-        rectangle: ranges along x and y of the patch frame, m, shape (2, 2).
+        ranges: of the patch along x and y of its frame, m, shape (2, 2).
         linear: velocity of the pad at c, shape (3, nv).
         angular: angular velocity of the pad, shape (3, nv).
         B: rates of the joints per rate of the posture, shape (nv, l + s).
@@ -147,7 +142,7 @@ def _crossings(
                 along += sign * R[k, axis] * d[k]
                 at += R[k, axis] * (c[k] - origin[k])
             if along != 0.0:
-                room = rectangle[axis, 1] - at if along > 0.0 else at - rectangle[axis, 0]
+                room = ranges[axis, 1] - at if along > 0.0 else at - ranges[axis, 0]
                 t = max(EDGE, room) / abs(along)
                 if t < reaches[side]:
                     reaches[side], rim, slope, moving = t, axis, sign * along, room > EDGE
@@ -164,10 +159,10 @@ def _crossings(
     return reaches, ends, d_ends
 
 
-def _to_corners(state: State, pad: int, face: Flat, rectangle: Array) -> list[Ray]:
+def _to_corners(state: State, pad: int, face: Flat, ranges: Array) -> list[Ray]:
     """Return the rays to the corners of a flat pad that lies on a flat face."""
     R, origin = frame(state, pad)
-    (left, right), (low, high) = rectangle
+    (left, right), (low, high) = ranges
     local = np.array([[left, low, 0.0], [right, low, 0.0], [right, high, 0.0], [left, high, 0.0]])
     corners = local @ R.T + origin
     shared = clipped(Flat(corners, R[:, 2]), face)

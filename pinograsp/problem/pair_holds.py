@@ -17,7 +17,7 @@ from ..collision.hand_free import hand_free
 from ..descriptions.patches import LinePatch, PlanePatch
 from ..errors import TaskError
 from ..geometry.antipodal import Pairs
-from ..geometry.patches import patch_point
+from ..geometry.patches import patch_point, rectangle
 from ..kinematics.grips import Grips, grips
 from ..kinematics.hand_posture import always_parallel
 from ..kinematics.robot import Pad
@@ -169,14 +169,13 @@ class _Outline(NamedTuple):
 def _outline(pad: Pad, limits: Array, spacing: float) -> _Outline:
     """Return the points of a pad; of a round one the middle counts."""
     patch, middle = pad.patch, patch_point(pad.patch, limits.mean(axis=1))
-    rectangle, face = None, middle.point[None]
+    ranges, face = None, middle.point[None]
     if isinstance(patch, PlanePatch | LinePatch):
-        across = patch.v if isinstance(patch, PlanePatch) else (-0.5 * patch.width, 0.5 * patch.width)
-        rectangle = np.array([patch.u, across])
-        x, y = (np.linspace(low, high, math.ceil((high - low) / spacing) + 1) for low, high in rectangle)
+        ranges = rectangle(patch)
+        x, y = (np.linspace(low, high, math.ceil((high - low) / spacing) + 1) for low, high in ranges)
         face = np.array([[u, v, 0.0] for u, v in itertools.product(x, y)])
     behind = np.concatenate([face - depth * middle.normal for depth in BEHIND])
-    return _Outline(middle.point, rectangle, face, behind, middle.point - BEHIND[-1] * middle.normal)
+    return _Outline(middle.point, ranges, face, behind, middle.point - BEHIND[-1] * middle.normal)
 
 
 def _placed(R: Array, p: Array, points: Array) -> Array:

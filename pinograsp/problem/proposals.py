@@ -29,9 +29,9 @@ from ..errors import TaskError
 from ..frozen import Record
 from ..geometry.antipodal import Pairs, opposite_points
 from ..geometry.contact_faces import edge_distance
+from ..geometry.patches import half_sides
 from ..geometry.shapes import surface_of
 from ..kinematics.reach import arm_reach
-from .constraints.pad_tilt import half_sides
 from .desired import DesiredPoints
 from .pair_holds import TURNS, HoldFinder, Holds
 from .task_model import TaskModel

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
-import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import igl
 import numpy as np
 
+from ..array_cache import kept
 from ..arrays import Array, Integers
-from ..disk import cache_folder, digest, write_whole
-from ..errors import InputError
+from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
 VERSION = 1
@@ -98,10 +93,8 @@ class LinkMesh:
         )
 
 
-def kept(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:
+def kept_mesh(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:
     """Return the mesh of a link from the cache folder, or make it and keep it.
-
-    A damaged file is made again, and a folder that cannot be written costs time only.
 
     Args:
         link: its name.
@@ -109,27 +102,18 @@ def kept(link: str, content: bytes, make: Callable[[], LinkMesh]) -> LinkMesh:
         make: makes it.
     """
     key = digest(b"%d " % VERSION + content)
-    file = cache_folder() / "meshes" / f"{key[:32]}.npz"
-    found = _load(file, link)
-    if found is None:
-        found = make()
-        stream = io.BytesIO()
-        arrays = {name: getattr(found, name) for name in _KEPT if name != "hull_faces"}
-        np.savez(stream, hull_normals=found.hull_faces[0], hull_offsets=found.hull_faces[1], **arrays)
-        with contextlib.suppress(InputError):
-            write_whole(file, stream.getvalue())
-    return found
+    return kept("meshes", key[:32], make, _arrays_of, lambda arrays: _mesh_of(link, arrays))
 
 
-_KEPT = tuple(field.name for field in fields(LinkMesh) if field.name != "link")
+_ARRAYS = tuple(field.name for field in fields(LinkMesh) if field.name not in ("link", "hull_faces"))
 
 
-def _load(file: Path, link: str) -> LinkMesh | None:
-    """Return the content of a file, or None if it is not there or of no use."""
-    try:
-        with file.open("rb") as stream, np.load(stream) as data:
-            arrays = {name: data[name] for name in _KEPT if name != "hull_faces"}
-            arrays["radius"] = float(arrays["radius"])
-            return LinkMesh(link, hull_faces=(data["hull_normals"], data["hull_offsets"]), **arrays)
-    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
-        return None
+def _arrays_of(mesh: LinkMesh) -> dict[str, Any]:
+    normals, offsets = mesh.hull_faces
+    return {"hull_normals": normals, "hull_offsets": offsets} | {name: getattr(mesh, name) for name in _ARRAYS}
+
+
+def _mesh_of(link: str, arrays: Mapping[str, Any]) -> LinkMesh:
+    found = {name: arrays[name] for name in _ARRAYS}
+    found["radius"] = float(found["radius"])
+    return LinkMesh(link, hull_faces=(arrays["hull_normals"], arrays["hull_offsets"]), **found)

@@ -13,7 +13,7 @@ import trimesh
 from ..arrays import Array
 from ..descriptions.composition import Composition
 from ..errors import FileError, InputError
-from .link_mesh import LinkMesh, kept
+from .link_mesh import LinkMesh, kept_mesh
 
 _SECTIONS = 128
 
@@ -25,7 +25,7 @@ def read_meshes(urdf: Any, robot: Composition) -> dict[str, LinkMesh]:
         InputError: a mesh cannot be read.
     """
     return {
-        name: kept(name, _content(link.collisions, name), partial(_of_collisions, link.collisions, name, robot))
+        name: kept_mesh(name, _content(link.collisions, name), partial(_of_collisions, link.collisions, name, robot))
         for name, link in urdf.link_map.items()
         if link.collisions
     }

@@ -22,9 +22,10 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.patches import LinePatch, Patch, PlanePatch
 from ...descriptions.regions import Region
+from ...geometry.patches import rectangle
 from ...geometry.regions import membership
 from ..constraint import PER_METRE, Inside, Residual, Violation
-from ..footprint import frame, moves, rectangle
+from ..footprint import frame, moves
 from ..state import State
 from ..task_model import TaskModel
 

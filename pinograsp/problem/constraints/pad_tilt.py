@@ -17,7 +17,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...arrays import Array, cross
-from ...descriptions.patches import CylinderPatch, LinePatch, Patch, SpherePatch
+from ...descriptions.patches import SpherePatch
+from ...geometry.patches import half_sides
 from ...kinematics.robot import Pad
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
@@ -26,8 +27,6 @@ from .pad_tangency import PROJECTED, tilt_of, violation_of
 
 WITHIN = 0.005
 """How far inside its cone a normal must be, rad: the check finds the normal in another way."""
-SMALLEST = 0.001
-"""Half side that a pad has at least, m: a line has some rubber beside it."""
 
 
 class PadTilt(Inside):
@@ -89,19 +88,6 @@ class PadTilt(Inside):
         above = self.inside(state).values
         worst = self._owners[int(above.argmin())]
         return [violation_of(state, worst, self._rho, kept=bool(above.min() >= self.least - 1e-6))]
-
-
-def half_sides(patch: Patch) -> Array:
-    """Return half the sides of a patch along x and y, those of curved ones their radius, m, shape (2,)."""
-    first, second = patch.parameters[0], patch.parameters[-1]
-    along = 0.5 * (first[1] - first[0])
-    if isinstance(patch, SpherePatch):
-        sides = (patch.radius, patch.radius)
-    elif isinstance(patch, CylinderPatch):
-        sides = (along, patch.radius)
-    else:
-        sides = (along, 0.5 * (patch.width if isinstance(patch, LinePatch) else second[1] - second[0]))
-    return np.maximum(sides, SMALLEST)
 
 
 def _round(pad: Pad) -> bool:

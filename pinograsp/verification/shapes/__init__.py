@@ -96,9 +96,7 @@ class PlacedShape:
         found = self._geometry.centroid
         self.centroid = None if found is None else self._rotation @ found + self.center
         """Centre of mass of the shape filled evenly, world, m, shape (3,); None where the description has it."""
-        whole = ((self._geometry, np.eye(4)),)
-        parts = self._geometry.parts if isinstance(self._geometry, CompoundGeometry) else whole
-        self.parts = tuple(PlacedPart(name, geometry, T @ pose) for geometry, pose in parts)
+        self.parts = tuple(PlacedPart(name, geometry, T @ pose) for geometry, pose in self._geometry.parts)
         """Parts, of which a link is as far as from the nearest."""
 
     def to_object(self, point: Array) -> Array:

@@ -9,12 +9,12 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Box
-from .core import PENETRATION, ConvexGeometry, Core
+from .core import PENETRATION, Core, FormulaGeometry
 
 _CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
-class BoxGeometry(ConvexGeometry):
+class BoxGeometry(FormulaGeometry):
     """A box. Its second core is the box less the penetration that is allowed."""
 
     def __init__(self, shape: Box) -> None:

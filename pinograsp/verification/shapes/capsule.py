@@ -9,10 +9,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Capsule
-from .core import ConvexGeometry, Core
+from .core import Core, FormulaGeometry
 
 
-class CapsuleGeometry(ConvexGeometry):
+class CapsuleGeometry(FormulaGeometry):
     """A capsule around z. Its core is a thin rod, so that penetration too is exact down to the axis."""
 
     def __init__(self, shape: Capsule) -> None:

@@ -10,14 +10,14 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.shapes import Compound, ShapeDescription
 from ..outlines import Rubber
-from .core import FORMULA, ConvexGeometry, Core, Geometry
+from .core import FORMULA, Core, FormulaGeometry, Geometry
 
 COVERED = 1e-7
 """How deep in another part a line of a part's side is covered, m."""
 _STEPS, _CLOSE = 300, 1e-9
 
 
-class CompoundGeometry(ConvexGeometry):
+class CompoundGeometry(FormulaGeometry):
     """Several parts at their poses.
 
     Outside, distances are exact. Inside, where parts overlap, they are no more than the depth below the surface. A line
@@ -27,19 +27,24 @@ class CompoundGeometry(ConvexGeometry):
     cores: tuple[Core, ...] = ()
 
     def __init__(self, shape: Compound, geometry_of: Callable[[ShapeDescription], Geometry]) -> None:
-        self.parts = tuple((geometry_of(part.shape), part.pose.matrix) for part in shape.parts)
-        yielding = [geometry.limits for geometry, _ in self.parts if geometry.limits.yields]
+        self._parts = tuple((geometry_of(part.shape), part.pose.matrix) for part in shape.parts)
+        yielding = [geometry.limits for geometry, _ in self._parts if geometry.limits.yields]
         self.limits = yielding[0] if yielding else FORMULA
 
+    @property
+    def parts(self) -> tuple[tuple[Geometry, Array], ...]:
+        """Parts, each with its pose."""
+        return self._parts
+
     def _local(self, number: int, point: Array) -> Array:
-        T = self.parts[number][1]
+        T = self._parts[number][1]
         return np.asarray((point - T[:3, 3]) @ T[:3, :3])
 
     def _distance(self, number: int, point: Array) -> float:
-        return self.parts[number][0].distance(self._local(number, point))
+        return self._parts[number][0].distance(self._local(number, point))
 
     def _nearest(self, point: Array) -> int:
-        return min(range(len(self.parts)), key=lambda number: self._distance(number, point))
+        return min(range(len(self._parts)), key=lambda number: self._distance(number, point))
 
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the surface, or to the nearest part's where several hold the point."""
@@ -48,18 +53,18 @@ class CompoundGeometry(ConvexGeometry):
     def inward(self, point: Array) -> Array:
         """Inward unit normal of the nearest part."""
         number = self._nearest(point)
-        geometry, T = self.parts[number]
+        geometry, T = self._parts[number]
         return np.asarray(T[:3, :3] @ geometry.inward(self._local(number, point)))
 
     def distances(self, points: Array) -> Array:
         """Signed distances of points, shape (n, 3), shape (n,)."""
-        each = [geometry.distances((points - T[:3, 3]) @ T[:3, :3]) for geometry, T in self.parts]
+        each = [geometry.distances((points - T[:3, 3]) @ T[:3, :3]) for geometry, T in self._parts]
         return np.asarray(np.min(each, axis=0))
 
     def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
         """Return that of the nearest part, if pads yield to it."""
         number = self._nearest(point)
-        geometry, T = self.parts[number]
+        geometry, T = self._parts[number]
         if not geometry.limits.yields:
             return super().footprint(pad_face, point, normal)
         found = geometry.footprint(self._local(number, pad_face), self._local(number, point), normal @ T[:3, :3])
@@ -68,13 +73,13 @@ class CompoundGeometry(ConvexGeometry):
     def touched(self, rubber: Rubber) -> Array:
         """Return that of all parts."""
         each = [
-            geometry.touched(rubber.moved(T[:3, :3], T[:3, 3])) @ T[:3, :3].T + T[:3, 3] for geometry, T in self.parts
+            geometry.touched(rubber.moved(T[:3, :3], T[:3, 3])) @ T[:3, :3].T + T[:3, 3] for geometry, T in self._parts
         ]
         return np.concatenate(each)
 
     def radius_about(self, point: Array) -> float:
         """Radius of the least ball about `point` that holds all parts."""
-        return max(geometry.radius_about(self._local(i, point)) for i, (geometry, _) in enumerate(self.parts))
+        return max(geometry.radius_about(self._local(i, point)) for i, (geometry, _) in enumerate(self._parts))
 
     def face(self, point: Array) -> Array:
         """Face of the nearest part; of a line along its side what no other part covers."""
@@ -89,7 +94,7 @@ class CompoundGeometry(ConvexGeometry):
     def edge(self, point: Array) -> float:
         """Distance from the edges of the nearest part's face, and along a line from where another part covers it."""
         number = self._nearest(point)
-        distance = self.parts[number][0].edge(self._local(number, point))
+        distance = self._parts[number][0].edge(self._local(number, point))
         corners = self._face(number, point)
         if len(corners) == 2:
             at = float(_unit(corners) @ (point - corners[0]))
@@ -101,7 +106,7 @@ class CompoundGeometry(ConvexGeometry):
         return distance
 
     def _face(self, number: int, point: Array) -> Array:
-        geometry, T = self.parts[number]
+        geometry, T = self._parts[number]
         return np.asarray(geometry.face(self._local(number, point)) @ T[:3, :3].T + T[:3, 3])
 
     def _free(self, own: int, point: Array, line: Array) -> tuple[float, float]:
@@ -113,7 +118,7 @@ class CompoundGeometry(ConvexGeometry):
             return self._distance(number, line[0] + along * unit) + COVERED
 
         low, high = 0.0, length
-        others = [number for number in range(len(self.parts)) if number != own]
+        others = [number for number in range(len(self._parts)) if number != own]
         for number in (number for number in others if outside(number, at) <= 0.0):
             # Out of the part, to where that is nearer.
             below, above = (_border(lambda t, n=number: outside(n, t), at, end) for end in (low, high))  # type: ignore[misc]

@@ -9,10 +9,10 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.shapes import Cone
 from .circle import circle, turned
-from .core import PENETRATION, ConvexGeometry, Core
+from .core import PENETRATION, Core, FormulaGeometry
 
 
-class ConeGeometry(ConvexGeometry):
+class ConeGeometry(FormulaGeometry):
     """A cone around z, whole or truncated.
 
     Coal knows none that are truncated: its cores are solids of so many flat sides within it that they are nowhere

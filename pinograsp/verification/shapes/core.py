@@ -60,6 +60,10 @@ class Geometry(Protocol):
     """Centre of mass of the shape filled evenly, shape (3,); None where the description has it by a formula."""
 
     @property
+    def parts(self) -> tuple[tuple[Geometry, Array], ...]:
+        """Parts of a compound, of another shape itself, each with its pose in the frame of the shape, shape (4, 4)."""
+
+    @property
     def hull(self) -> Core:
         """A convex body; the shape is nowhere farther outside of it than its inset."""
 
@@ -104,8 +108,11 @@ class Geometry(Protocol):
         """Distance of `point` from the edges of the face that it lies on; inf if the face has none."""
 
 
-class ConvexGeometry:
-    """What convex shapes with a formula share: their first core is the shape itself, or the shape less its inset."""
+class FormulaGeometry:
+    """What shapes with a formula share, and compounds unless they say otherwise.
+
+    The first core of a shape of one part is the shape itself, or the shape less its inset.
+    """
 
     cores: tuple[Core, ...]
     members: Array = np.zeros((1, 3))
@@ -113,6 +120,11 @@ class ConvexGeometry:
     middle: Array = np.zeros(3)
     limits: Limits = FORMULA
     centroid: Array | None = None
+
+    @property
+    def parts(self: Geometry) -> tuple[tuple[Geometry, Array], ...]:
+        """The shape itself."""
+        return ((self, np.eye(4)),)
 
     @property
     def hull(self) -> Core:

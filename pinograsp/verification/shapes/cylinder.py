@@ -10,10 +10,10 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.shapes import Cylinder
 from .circle import circle
-from .core import PENETRATION, ConvexGeometry, Core
+from .core import PENETRATION, Core, FormulaGeometry
 
 
-class CylinderGeometry(ConvexGeometry):
+class CylinderGeometry(FormulaGeometry):
     """A cylinder around z. Its second core is the cylinder less the penetration that is allowed."""
 
     def __init__(self, shape: Cylinder) -> None:

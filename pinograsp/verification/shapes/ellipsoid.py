@@ -9,10 +9,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Ellipsoid
-from .core import PENETRATION, ConvexGeometry, Core
+from .core import PENETRATION, Core, FormulaGeometry
 
 
-class EllipsoidGeometry(ConvexGeometry):
+class EllipsoidGeometry(FormulaGeometry):
     """An ellipsoid. Its second core holds all of it that is deeper than the penetration that is allowed."""
 
     def __init__(self, shape: Ellipsoid) -> None:

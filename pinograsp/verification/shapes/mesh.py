@@ -12,7 +12,7 @@ from ...descriptions.shapes import Mesh
 from ..footprint import tangents
 from ..object_mesh import object_mesh
 from ..outlines import Rubber
-from .core import PENETRATION, Core, Limits
+from .core import PENETRATION, Core, Geometry, Limits
 
 GAP = 1e-4
 """Distance of a contact point from the triangles, m: more than the error of distances interpolated between them."""
@@ -37,6 +37,11 @@ class MeshGeometry:
         self.hull = Core(self._body.hull, 0.0)
         self.centroid: Array | None = self._body.centroid
         self.members, self.vertices, self.middle = self._body.members, self._body.vertices, self._body.middle
+
+    @property
+    def parts(self) -> tuple[tuple[Geometry, Array], ...]:
+        """The body itself."""
+        return ((self, np.eye(4)),)
 
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the nearest triangle."""

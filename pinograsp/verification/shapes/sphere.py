@@ -9,10 +9,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.shapes import Sphere
-from .core import ConvexGeometry, Core
+from .core import Core, FormulaGeometry
 
 
-class SphereGeometry(ConvexGeometry):
+class SphereGeometry(FormulaGeometry):
     """A ball. Its core is next to a point, so that penetration too is exact down to the centre."""
 
     def __init__(self, shape: Sphere) -> None:

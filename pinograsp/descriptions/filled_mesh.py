@@ -1,4 +1,8 @@
-"""The centre of mass and the volume of a body that is given as triangles."""
+"""The centre of mass and the volume of a body that is given as triangles.
+
+Descriptions stand below the geometry: triangles are taken as they stand in the file, before `geometry.mesh_repair`
+mends them.
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,48 @@
+"""Arrays that are kept in the user's cache folder, so that they are made once on a machine."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import zlib
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+from zipfile import BadZipFile
+
+import numpy as np
+
+from .disk import cache_folder, write_whole
+from .errors import InputError
+
+Value = TypeVar("Value")
+
+
+def kept(
+    folder: str,
+    name: str,
+    make: Callable[[], Value],
+    arrays_of: Callable[[Value], dict[str, Any]],
+    value_of: Callable[[Mapping[str, Any]], Value],
+) -> Value:
+    """Return a value from its file in the cache folder, or make it and keep it there.
+
+    A damaged file is made again, and a folder that cannot be written costs time only.
+
+    Args:
+        folder: of the file within the cache folder.
+        name: of the file without its suffix: whatever decides the value decides it.
+        make: makes the value.
+        arrays_of: what is written of it, by name.
+        value_of: the value of what was read.
+    """
+    file = cache_folder() / folder / f"{name}.npz"
+    try:
+        with file.open("rb") as stream, np.load(stream) as data:
+            return value_of(data)
+    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
+        pass
+    made, content = make(), io.BytesIO()
+    np.savez(content, **arrays_of(made))
+    with contextlib.suppress(InputError):
+        write_whole(file, content.getvalue())
+    return made
