@@ -25,7 +25,7 @@ from pinograsp.problem.constraints.clearance import Clearance
 from pinograsp.problem.constraints.pad_clearance import PadClearance, pad_clearance
 from pinograsp.problem.state import State
 from pinograsp.problem.task_model import TaskModel
-from pinograsp.verification.shapes import PlacedShape
+from pinograsp.verification.shapes import PlacedShape, geometry_of
 from pinograsp.visualization.surfaces import surface_mesh
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -228,7 +228,8 @@ def test_the_verification_sees_the_same_compound(shape: Compound) -> None:
     points = points_around(shape)
     distances, _, _ = surface.signed_distance(points)
     np.testing.assert_allclose([placed.distance(point) for point in points], distances, atol=1e-12)
-    assert np.linalg.norm(surface.tessellation().vertices, axis=1).max() <= placed.radius <= surface.radius + 1e-12
+    farthest = np.linalg.norm(surface.tessellation().vertices, axis=1).max()
+    assert farthest <= placed.radius_about(placed.center) <= surface.radius + 1e-12
     assert placed.radius_about(np.array([0.1, 0.0, 0.0])) >= distances_from(surface.tessellation().vertices)
     assert len(placed.parts) == len(shape.parts)
 
@@ -248,14 +249,14 @@ def test_both_see_the_same_faces_and_edges(shape: Compound) -> None:
         if surface.signed_distance(at[None])[0][0] < -1e-9:
             continue  # it began inside where parts overlap
         world = T[:3, :3] @ at + T[:3, 3]
-        face, seen = surface.contact_face(at), placed.face(world)
+        face, seen = surface.contact_face(at), geometry_of(shape).face(at)
         if abs(edge_distance(face, at)[0]) < 1e-6:
             continue  # on an edge, of which both faces are as near
         assert placed.edge(world) == pytest.approx(edge_distance(face, at)[0], abs=2e-6, rel=1e-6) or (
             isinstance(face, Flat)  # a circle and the polygon around it
         )
         if isinstance(face, Ruling):
-            ends = [T[:3, :3] @ (at + t * face.direction) + T[:3, 3] for t in (face.low, face.high)]
+            ends = [at + t * face.direction for t in (face.low, face.high)]
             np.testing.assert_allclose(np.sort(seen, axis=0), np.sort(ends, axis=0), atol=2e-6)
             lines += 1
     assert lines > (0 if shape is DUMB_BELL else 20)
