@@ -19,10 +19,10 @@ from .model import Frozen
 from .pose import ZERO
 from .regions import AllOf, Outside, Region
 from .values import (
-    ContactPoints,
     Name,
     NotNegative,
     Number,
+    OptionalContactPoints,
     Positive,
     Ranges,
     Table,
@@ -120,7 +120,7 @@ class Task(Frozen):
 
     object: Name
     """Name of an object of the scene."""
-    desired_contacts: ContactPoints | None = None
+    desired_contacts: OptionalContactPoints = as_default(None)
     """Desired contact points on the object's surface, in the object's frame, m; one for each pad.
 
     If not given, each start is led to a pair of opposite points that is proposed to it, and Phi is zero.

@@ -146,7 +146,7 @@ if TYPE_CHECKING:
     UnitVector3: TypeAlias = Vector3
     OptionalVector3: TypeAlias = Takes[Numbers | None, tuple[float, float, float] | None]
     Points: TypeAlias = Takes[Rows, tuple[tuple[float, float, float], ...]]
-    ContactPoints: TypeAlias = Points
+    OptionalContactPoints: TypeAlias = Takes[Rows | None, tuple[tuple[float, float, float], ...] | None]
     OrderedInterval: TypeAlias = Takes[Numbers, tuple[float, float]]
     Ranges: TypeAlias = Takes[Mapping[str, Numbers], Mapping[str, tuple[float, float]]]
 else:
@@ -155,7 +155,7 @@ else:
     UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
     OptionalVector3 = Vector3 | None
     Points = Annotated[tuple[Vector3, ...], Field(min_length=1), BeforeValidator(listed)]
-    ContactPoints = Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)]
+    OptionalContactPoints = Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)] | None
     OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
     """An interval that has a width."""
     Ranges = Table[Name, Annotated[Interval, AfterValidator(_not_above)]]
