@@ -1,4 +1,4 @@
-"""Triangles of mesh files (STL, DAE, OBJ)."""
+"""Triangles of the collision meshes of robots (STL, DAE, OBJ); those of objects are read by `mesh_content`."""
 
 from __future__ import annotations
 

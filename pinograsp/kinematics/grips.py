@@ -17,8 +17,6 @@ from .wrist import wrist_pose
 
 FACING = 0.99
 """Cosine of the angle up to which flat pads count as facing each other."""
-
-
 OVERLAP = 0.001
 """How far pads of a closed hand may have passed each other, m."""
 

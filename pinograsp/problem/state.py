@@ -42,7 +42,7 @@ class State:
         self._desired = desired
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
-        self._to_object: dict[ObjectPoints, Distances] = {}
+        self._object_distances: dict[ObjectPoints, Distances] = {}
         self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:])
 
     @property
@@ -82,11 +82,11 @@ class State:
         """Signed distances of the pairs of bodies."""
         return self.model.collisions.distances(self.configuration)
 
-    def to_object(self, points: ObjectPoints) -> Distances:
+    def object_distances(self, points: ObjectPoints) -> Distances:
         """Return the distances of sets of points to an uneven object; measured once."""
-        if points not in self._to_object:
-            self._to_object[points] = self.model.to_object(points, self.configuration)
-        return self._to_object[points]
+        if points not in self._object_distances:
+            self._object_distances[points] = self.model.object_distances(points, self.configuration)
+        return self._object_distances[points]
 
     @cached_property
     def grasp(self) -> Contacts:

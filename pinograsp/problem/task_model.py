@@ -95,7 +95,7 @@ class TaskModel:
         normals, derivatives = self.surface.footprint((points - origin) @ R)
         return normals @ R.T, R @ derivatives @ R.T
 
-    def to_object(self, points: ObjectPoints, configuration: Configuration) -> Distances:
+    def object_distances(self, points: ObjectPoints, configuration: Configuration) -> Distances:
         """Return the distances of sets of points to the object, which is uneven."""
         return points.distances(configuration, self.surface, self.T_world_object)
 

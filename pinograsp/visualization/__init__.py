@@ -27,7 +27,7 @@ from .page import grasp_page
 from .robot import draw_robot
 from .robot_page import write_robot_html
 from .scene import draw_scene
-from .viewer import Recorder, Visualizer, live
+from .viewer import Recorder, Visualizer, clear_backdrop, live
 
 __all__ = ["coverage_html", "coverage_png", "show", "write_contacts_html", "write_html", "write_robot_html"]
 
@@ -107,8 +107,5 @@ def _draw(grasp: Grasp, setup: Setup, visualizer: Visualizer) -> None:
     draw_forces(world, grasp, scene, task)
     if task.approach is not None:
         draw_approach(world["approach"], task.approach, scene.objects[task.object])
-    for name in ("/Grid", "/Axes"):
-        visualizer[name].set_property("visible", False)
-    visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
-    visualizer["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
+    clear_backdrop(visualizer)
     camera.place(world, camera.whole_box(scene, task))

@@ -18,7 +18,7 @@ from .forces import ARROW_RADIUS
 from .page import legend, page, view_button
 from .scene import draw_body, draw_enclosure
 from .symbols import Look, arrow, ball, draw, frustum
-from .viewer import Recorder, Visualizer
+from .viewer import Recorder, Visualizer, clear_backdrop
 
 ROOT = "contacts"
 """Node of the viewer's tree that holds the world."""
@@ -81,10 +81,7 @@ def _draw(visualizer: Visualizer, pairs: Sequence[ContactPair], scene: Scene, na
             draw(node[f"point {side}"], ball(point, POINT_RADIUS), look)
             for part, piece in arrow(point + ARROW_LENGTH * normal, point, 0.3 * ARROW_RADIUS).items():
                 draw(node[f"{part} {side}"], piece, look)
-    for part in ("/Grid", "/Axes"):
-        visualizer[part].set_property("visible", False)
-    visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
-    visualizer["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
+    clear_backdrop(visualizer)
     places = np.concatenate([pair.points for pair in pairs]) @ T[:3, :3].T + T[:3, 3]
     middle = places.mean(axis=0)
     reach = AROUND * float(np.linalg.norm(places - middle, axis=1).max())

@@ -23,7 +23,7 @@ from .page import legend, page, view_button
 from .rows import row
 from .scene import draw_enclosure
 from .symbols import Look, arrow, draw
-from .viewer import LayeredMesh, Recorder, Visualizer, geometry
+from .viewer import LayeredMesh, Recorder, Visualizer, clear_backdrop, geometry
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,10 +127,7 @@ def draw_coverage(visualizer: Visualizer, coverage: Coverage) -> dict[str, camer
         if (coverage.directions[:, :, layer] > 0).any():
             material = geometry.MeshPhongMaterial(vertexColors=True, flatShading=True)
             world["voxels"][str(layer)].set_object(LayeredMesh(cubes(coverage, layer), material, 0))
-    for name in ("/Grid", "/Axes"):
-        visualizer[name].set_property("visible", False)
-    visualizer["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
-    visualizer["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
+    clear_backdrop(visualizer)
     views = {
         "whole-box": camera.around(low, high, np.array([0.4, -1.0, 0.6])),
         "above": camera.around(low, high, np.array([0.0, -1e-3, 1.0])),

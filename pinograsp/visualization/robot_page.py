@@ -23,7 +23,7 @@ from .page import legend, page, view_button
 from .robot import draw_urdf
 from .sliders import Nodes, sliders
 from .symbols import Look, arrow, draw
-from .viewer import Recorder, Visualizer
+from .viewer import Recorder, Visualizer, clear_backdrop
 
 ROOT = "robot_file"
 """Node of the viewer's tree that holds the world."""
@@ -108,10 +108,7 @@ def _draw(world: Visualizer, robot: Robot, posture: Array) -> tuple[Nodes, dict[
     for name, piece in arrow(np.zeros(3), tip, WRIST_RADIUS).items():
         draw(world["wrist"][name], piece, Look(colors.APPROACH))
     world["wrist"].set_transform(wrist)
-    for name in ("/Grid", "/Axes"):
-        world[name].set_property("visible", False)
-    world["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
-    world["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
+    clear_backdrop(world)
     views = _views(np.array([place[:3, 3] for place in poses]), np.array(pads), wrist)
     camera.place(world, views["robot"])
     return nodes, views

@@ -13,7 +13,7 @@ with warnings.catch_warnings():
     from meshcat import Visualizer, geometry
     from meshcat.servers.zmqserver import VIEWER_ROOT
 
-__all__ = ["LayeredMesh", "Recorder", "Visualizer", "geometry", "live", "viewer_javascript"]
+__all__ = ["LayeredMesh", "Recorder", "Visualizer", "clear_backdrop", "geometry", "live", "viewer_javascript"]
 
 
 class LayeredMesh(geometry.Mesh):  # type: ignore[misc]
@@ -48,6 +48,18 @@ def live() -> Visualizer:
     """Start a meshcat server and return its visualizer; opens no browser, `url()` is the address."""
     with contextlib.redirect_stdout(io.StringIO()):
         return Visualizer()
+
+
+def clear_backdrop(node: Visualizer) -> None:
+    """Take meshcat's grid and axes away, and show all of its tree before a light background.
+
+    Args:
+        node: any node of the tree.
+    """
+    for name in ("/Grid", "/Axes"):
+        node[name].set_property("visible", False)
+    node["/Background"].set_property("top_color", [1.0, 1.0, 1.0])
+    node["/Background"].set_property("bottom_color", [0.93, 0.94, 0.96])
 
 
 def viewer_javascript() -> str:

@@ -1,8 +1,9 @@
 """Geometry of the shapes of a scene: one file a shape, registered in `SURFACES`.
 
 A surface gives, in the shape's own frame, the signed distance of points with gradient and Hessian, its contact
-faces, the least width of the shape, the radius of a ball around its origin that contains it, its solids for Coal, and
-triangles.
+faces, the normals that pads feel on it, how large the shape is, its solids for Coal, and triangles. Shapes of one part
+with a formula are `convex.Convex`. The body within a mesh is uneven: pads yield to it, and points of the links are
+measured instead of solids.
 """
 
 from __future__ import annotations

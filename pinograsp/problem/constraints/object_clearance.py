@@ -38,7 +38,7 @@ class ObjectClearance(Inside):
         self._object = model.task.object
 
     def inside(self, state: State) -> Residual:
-        measured = state.to_object(self._points)
+        measured = state.object_distances(self._points)
         above = measured.values - self._points.least[measured.indices]
         links = self._link_of[measured.indices]
         values, slopes = smooth_minima(above, measured.gradients, links, self._counts, REACH)
@@ -48,7 +48,7 @@ class ObjectClearance(Inside):
 
     def violations(self, state: State) -> list[Violation]:
         """Return the violation of the solid that is nearest, if one is near."""
-        measured = state.to_object(self._points)
+        measured = state.object_distances(self._points)
         if not len(measured.indices):
             return []
         above = measured.values - self._points.least[measured.indices]

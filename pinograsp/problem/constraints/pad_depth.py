@@ -34,7 +34,7 @@ class PadDepth(Inside):
         self._links = [f"{found.link} - {model.task.object}" for found in self._points.sets]
 
     def inside(self, state: State) -> Residual:
-        measured = state.to_object(self._points)
+        measured = state.object_distances(self._points)
         values = np.full(len(self.rows), bend(REACH, REACH)[0])
         jacobian = np.zeros((len(self.rows), len(state.x)))
         for row, above, gradient in zip(
