@@ -26,6 +26,8 @@ from pinograsp.descriptions.shapes import Compound, Mesh
 from pinograsp.errors import FileError
 from pinograsp.verification import Certificate
 from pinograsp.verification.check import Verifier
+from pinograsp.verification.claim import Claim
+from pinograsp.verification.forces import balance_figures
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
@@ -498,3 +500,16 @@ def test_numbers_that_are_not_finite(case: Case, tmp_path: Path, check: Check) -
     verifier = Verifier(case.robot, Scene.model_validate(case_scene), "sphere")
     certificate = verifier.check(replace(case.claim, forces=np.full((2, 3), np.nan)))
     assert all(math.isnan(figure.value) for figure in certificate.figures)
+
+
+def test_spin_torques_may_be_off_balance_as_far_as_their_normals_are_known() -> None:
+    """A grasp that balances about one's normals is off by 0.4 degrees' worth of its spin torque about another's."""
+    turn, spin = math.radians(0.5), 0.05
+    normals = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+    off = np.array([[math.cos(math.radians(0.4)), math.sin(math.radians(0.4)), 0.0], [-1.0, 0.0, 0.0]])
+    claim = Claim({}, np.zeros((2, 3)), np.zeros((2, 3)), np.array([spin, spin]))
+    for allowed, found, holds in ((0.0, normals, True), (0.0, off, False), (turn, off, True)):
+        force, torque = balance_figures(claim, found, np.zeros(3), 0.03, np.zeros(6), turn=allowed, balanced=True)
+        assert force.holds
+        assert torque.holds == holds
+    assert torque.limit == pytest.approx(2.0 * spin * math.sin(turn), abs=1e-9)

@@ -280,7 +280,10 @@ class Verifier:
 
     def _balance(self, claim: Claim, normals: Array) -> list[Figure]:
         balanced = self._task.balance_wrench
-        return balance_figures(claim, normals, self._center_of_mass, self._radius, self._wrench, balanced=balanced)
+        turn = self._target.limits.turn
+        return balance_figures(
+            claim, normals, self._center_of_mass, self._radius, self._wrench, turn=turn, balanced=balanced
+        )
 
     def _region(self, points: Array, normals: Array, pads: Pads) -> list[Figure]:
         region = self._contact_region

@@ -22,8 +22,6 @@ REGION_TOLERANCE = 1e-9
 """How far a contact point may be outside its region, m."""
 FOOTPRINT_TOLERANCE = 1e-6
 """How far a footprint may reach outside its region, m."""
-TILT_TOLERANCE = math.radians(0.5)
-"""Beyond what the rubber of a pad allows, rad."""
 RIM_TOLERANCE = 2e-6
 """How far a contact point may be beyond the rim of its pad, m."""
 EDGE_TOLERANCE = 2e-5
@@ -114,12 +112,12 @@ def contact_figures(points: Array, inward: Array, pads: Pads, target: PlacedShap
         pads: the pads, contact i on pad i.
         target: the object.
     """
-    gaps = np.abs([target.distance(point) for point in points])
+    gaps, limits = np.abs([target.distance(point) for point in points]), target.limits
     off, normals = pads.nearest(points)
     return [
-        _largest("contact gap", gaps, target.limits.gap, "m", pads.names),
+        _largest("contact gap", gaps, limits.gap, "m", pads.names),
         _largest("contact on pad", off, 1e-6, "m", pads.names),
-        _tilt_in_cone(points, inward, pads) if target.limits.yields else _tilt(normals, inward, pads),
+        _tilt_in_cone(points, inward, pads, limits.turn) if limits.yields else _tilt(normals, inward, pads),
     ]
 
 
@@ -129,11 +127,11 @@ def _tilt(normals: Array, inward: Array, pads: Pads) -> Figure:
     return _largest("pad tangency", tilts, 2e-3, "rad", pads.names)
 
 
-def _tilt_in_cone(points: Array, inward: Array, pads: Pads) -> Figure:
+def _tilt_in_cone(points: Array, inward: Array, pads: Pads, turn: float) -> Figure:
     """Return the tilt of the pad, about one of its axes, that is nearest to what its rubber allows."""
     tilts, allowed = pads.tilts(points, inward)
     pad, axis = np.unravel_index(int((tilts - allowed).argmax()), tilts.shape)
-    limit = float(allowed[pad, axis]) + TILT_TOLERANCE
+    limit = float(allowed[pad, axis]) + turn
     return Figure("pad tangency", float(tilts[pad, axis]), limit, "rad", "at most", pads.names[int(pad)])
 
 

@@ -15,7 +15,7 @@ from .claim import Claim
 
 
 def balance_figures(
-    claim: Claim, normals: Array, center_of_mass: Array, radius: float, wrench: Array, *, balanced: bool
+    claim: Claim, normals: Array, center_of_mass: Array, radius: float, wrench: Array, *, turn: float, balanced: bool
 ) -> list[Figure]:
     """Return the unbalanced force, N, and torque about the centre of mass, N m.
 
@@ -25,6 +25,7 @@ def balance_figures(
         center_of_mass: of the object, world, shape (3,), m.
         radius: of the ball about the centre of mass that holds the object, m.
         wrench: external, force and torque about the centre of mass, world, N and N m, shape (6,).
+        turn: how far normals may be off, and spin torques about them with them, rad.
         balanced: whether it must be balanced; if not, the limits are infinite.
     """
     force = claim.forces.sum(axis=0) + wrench[:3]
@@ -33,6 +34,7 @@ def balance_figures(
     weight, moment = float(np.linalg.norm(wrench[:3])), float(np.linalg.norm(wrench[3:]))
     force_limit = 1e-3 * weight if weight > 0.0 else 1e-6
     torque_limit = 2e-3 * max(weight * radius, moment, 1e-9)
+    torque_limit += math.sin(turn) * float(np.abs(claim.spin_torques).sum())
     if not balanced:
         force_limit = torque_limit = math.inf
     return [

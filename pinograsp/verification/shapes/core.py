@@ -34,11 +34,13 @@ class Limits:
     """How far a footprint, or a contact point, may be outside its region, m."""
     margin: float
     """By how much links that are no pads may fall short of their margin, m."""
+    turn: float
+    """How far a normal may be off, rad."""
     yields: bool
     """Whether pads yield by their rubber's depth; else they are tangent to the surface and do not enter it."""
 
 
-FORMULA = Limits(gap=PENETRATION, region=0.0, margin=1e-6, yields=False)
+FORMULA = Limits(gap=PENETRATION, region=0.0, margin=1e-6, turn=0.0, yields=False)
 """Of surfaces that are known by a formula."""
 
 
