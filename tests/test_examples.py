@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import meshes
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 from test_readme import blocks
@@ -89,10 +90,12 @@ def test_the_notebook_runs_and_shows_tables() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_python_of_a_page_runs(page: Path) -> None:
-    """After a first plan: pages go on from there."""
+    """After a first plan, with a mesh in a folder: pages go on from there."""
     robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox")
     result = pinograsp.plan(robot, scene, task="sphere", starts=12, workers=1)
     Path("out").mkdir()
+    Path("meshes").mkdir()
+    meshes.written(meshes.mug(), Path("meshes/mug.glb"))
     pinograsp.write_json(result, "out/glovebox_sphere_gen3_2f85.json")
     known = {"pinograsp": pinograsp, "robot": robot, "scene": scene, "result": result, "best": result.best}
     for text in blocks(page, "python"):
