@@ -4,7 +4,8 @@ What of a link is behind the surface of its pad is kept off a convex object by c
 pair of theirs is measured: its distance is zero at every grasp with the gradient of the contact condition, and as one
 more inequality would only make the problem degenerate. An object of several parts is not so simple: the pad touches one
 of them, and what is behind its surface may run into another. These pairs are measured, with the pads and the part; who
-uses them leaves out those of the part that a pad touches.
+uses them leaves out those of the part that a pad touches. An uneven object, a mesh, has no solids here and no pairs:
+see `object_points`.
 """
 
 from __future__ import annotations

@@ -17,16 +17,12 @@ import numpy as np
 from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
-from ..database.cache import cached_database
-from ..database.identity import Identity
-from ..database.store import Database, identity_of, require_identity
+from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
-from ..descriptions.task import Margins
 from ..errors import InputError, real_number, require_kind, require_report, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
 from ..kinematics.robot import Robot
-from ..memo import remembered
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
 from ..problem.proposals import Candidate, ContactPair, Proposals
 from ..progress import Report, no_report
@@ -34,7 +30,7 @@ from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
-from ..solve.start_index import HeldHand, StartIndex
+from ..solve.start_index import HeldHand
 from ..solve.starts import starts_near
 from .attempt import (
     Attempt,
@@ -48,6 +44,7 @@ from .attempt import (
     verifier_of,
 )
 from .bound import least_U
+from .databases import Databases
 from .defaults import DEFAULT_STARTS, PROPOSED
 from .grading import all_graded, graded
 from .meshes import prepare_meshes
@@ -127,10 +124,10 @@ class Planner:
             raise InputError("is given with an executor", key="workers", remedy="Give one of them")
         self._robot, self._scene = robot, scene
         self._options = options or SolverOptions()
-        self._given, self._count, self._report = database, workers, progress
+        self._report = progress
+        self._databases = Databases(robot, database, workers, progress)
         self._workers: Workers = own_workers(workers) if executor is None else GivenExecutor(executor)
         self._models: dict[str, TaskModel] = {}
-        self._opened: dict[str, Database] = {}
         self._hands: dict[str, HeldHand] = {}
         self._bounds: dict[str, float] = {}
         self._proposed: dict[tuple[str, int], Proposals] = {}
@@ -152,9 +149,7 @@ class Planner:
     def __exit__(self, *error: object) -> None:
         """End the workers and close what was opened."""
         self._workers.__exit__(*error)
-        for database in self._opened.values():
-            database.close()
-        self._opened.clear()
+        self._databases.close()
 
     def plan(
         self,
@@ -187,7 +182,7 @@ class Planner:
         run.times["prepare"] = time.perf_counter() - began
         try:
             self._workers.begin()
-            database = self._database(model.task.margin)
+            database = self._databases.of(self._scene, model.task.margin)
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
             run.facts["database"] = facts_of(database)
@@ -247,7 +242,7 @@ class Planner:
         run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
         try:
             items = self._nearest(model)
-            run.facts["database"] = facts_of(self._database(model.task.margin))
+            run.facts["database"] = facts_of(self._databases.of(self._scene, model.task.margin))
             run.starts = len(items)
             run.times["prepare"] = time.perf_counter() - began
             for done in self._tried(model, items, limits):
@@ -339,7 +334,7 @@ class Planner:
         if task not in self._hands:  # neither depends on where objects stand
             self._evaluate_once(model, candidates)
             self._hands[task], self._bounds[task] = HeldHand(model), least_U(model)
-        hand, index = self._hands[task], self._index(model)
+        hand, index = self._hands[task], self._databases.index(self._scene, model.task.margin)
         if not candidates:
             return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
         pairs = [candidate.desired(model) for candidate in candidates]
@@ -387,39 +382,3 @@ class Planner:
         with compiling(self._report):
             problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))
-
-    def _index(self, model: TaskModel) -> StartIndex:
-        """Return the starts in memory: for every scene with one enclosure and for tasks with one margin the same."""
-        indices, margins = _indices(self._robot.unmounted), model.task.margin
-        database = self._database(margins)
-        stat = database.file.stat()
-        key = (identity_of(database).digest, str(database.file.resolve()), stat.st_mtime_ns, stat.st_size)
-        if key not in indices:
-            indices[key] = StartIndex(database, self._robot.mounted(self._scene.mounting.matrix))
-        return indices[key]
-
-    def _database(self, margins: Margins) -> Database:
-        """Return the database to take starts from, for certain the right one; what is opened here stays open."""
-        identity = Identity.of(self._robot, self._scene, margins)
-        if isinstance(self._given, Database):
-            require_identity(self._given, identity)
-            return self._given
-        if identity.digest not in self._opened:
-            if self._given is None:
-                opened = cached_database(self._robot, self._scene, margins, workers=self._count, progress=self._report)
-            else:
-                opened = Database.open(self._given)
-            try:
-                require_identity(opened, identity)
-            except InputError:
-                opened.close()
-                raise
-            self._opened[identity.digest] = opened
-        return self._opened[identity.digest]
-
-
-@remembered
-def _indices(robot: Robot) -> dict[tuple[str, str, int, int], StartIndex]:
-    """Return the place where the indices of a robot are kept, by identity and file of their database, as it is now."""
-    del robot
-    return {}

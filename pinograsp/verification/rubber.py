@@ -1,4 +1,4 @@
-"""How deep an object that is no smooth convex body is pressed into the rubber of pads.
+"""How deep an object to which pads yield, a mesh, is pressed into their rubber.
 
 Rubber that yields by `rubber_depth` is taken to be twice as thick: it is what of a pad's link is flush with the pad, or
 less than that behind it, its sides included. The depth of the object in it is the largest depth in the object of points

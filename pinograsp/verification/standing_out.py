@@ -6,7 +6,8 @@ above the plane by more than `PENETRATION` stands out; triangles are cut there. 
 the whole sphere or cylinder, and triangles that reach more than `BULGE` outside it stand out.
 
 Of a compound that is so of the part that a pad touches. Other parts may be beside or behind the pad's surface: the pad
-clearance, which is of the whole link, keeps them out of it.
+clearance, which is of the whole link, keeps them out of it. A mesh may dip into the rubber of a pad, which
+`rubber` measures.
 
 A link with several pads is touched at each of them, so that only what stands out above all of them counts.
 """

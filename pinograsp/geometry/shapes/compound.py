@@ -7,6 +7,8 @@ Gradient and Hessian are those of the part that is nearest.
 The contact face is that of the nearest part. A straight line ends where it enters another part (`_cut`). A flat face is
 left whole: what stands on it keeps pads off itself, as `problem.constraints.pad_clearance` asks, and what ends
 flush with it is touched as the face is. Faces that two parts have in one plane, or lines in one line, are not joined.
+
+All of that is for convex parts. A compound with a mesh may stand in the way, but is not grasped (`problem.checks`).
 """
 
 from __future__ import annotations
