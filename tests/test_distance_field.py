@@ -34,7 +34,7 @@ THINGS = list(meshes.THINGS)
 def thing(name: str) -> tuple[trimesh.Trimesh, ExactDistance, DistanceField]:
     mesh = meshes.THINGS[name]()
     vertices, faces = meshes.arrays(mesh)
-    return mesh, ExactDistance(vertices, faces), mesh_field(name, vertices, faces)
+    return mesh, ExactDistance(vertices, faces), mesh_field(name, ExactDistance(vertices, faces))
 
 
 def on_surface(mesh: trimesh.Trimesh, count: int) -> tuple[Array, Array]:
@@ -116,7 +116,7 @@ def test_normals_of_a_ball_and_of_a_cylinder_are_those_of_the_shape() -> None:
     vertices, faces = meshes.arrays(meshes.ball(0.03, 5))
     points = 0.03 * np.random.default_rng(0).normal(size=(200, 3))
     points *= 0.03 / np.linalg.norm(points, axis=1)[:, None]
-    normals, turning = field_normals(mesh_field("ball", vertices, faces), points)
+    normals, turning = field_normals(mesh_field("ball", ExactDistance(vertices, faces)), points)
     assert np.degrees(np.arccos((normals * points / 0.03).sum(axis=1).clip(-1.0, 1.0))).max() < 0.1
     expected = (np.eye(3) - normals[:, :, None] * normals[:, None, :]) / 0.03
     np.testing.assert_allclose(turning, expected, atol=2.0)  # 6 % of 1 / radius
@@ -125,7 +125,7 @@ def test_normals_of_a_ball_and_of_a_cylinder_are_those_of_the_shape() -> None:
 def test_an_edge_is_rounded_by_the_width_of_a_footprint() -> None:
     """On a box the smoothed normal is the face's in its middle, and halfway between two faces on their edge."""
     vertices, faces = meshes.arrays(meshes.box([-0.02, -0.02, -0.02], [0.02, 0.02, 0.02]))
-    field = mesh_field("box", vertices, faces)
+    field = mesh_field("box", ExactDistance(vertices, faces))
     points = np.array([[0.02, 0.003, -0.002], [0.02, 0.02, 0.0]])
     normals = field_normals(field, points)[0]
     np.testing.assert_allclose(normals, [[1.0, 0.0, 0.0], [0.5**0.5, 0.5**0.5, 0.0]], atol=1e-3)
@@ -136,13 +136,13 @@ def test_footprints_are_narrower_on_thin_bodies(thickness: float, sigma: float) 
     mesh = meshes.box([-0.03, -0.03, 0.0], [0.03, 0.03, thickness]).subdivide_to_size(0.01)
     vertices, faces = meshes.arrays(mesh)
     assert sigma in SIGMAS
-    assert footprint_sigma(ExactDistance(vertices, faces), vertices, faces) == sigma
+    assert footprint_sigma(ExactDistance(vertices, faces)) == sigma
 
 
 def test_thin_sheets_have_two_sides() -> None:
     mesh = meshes.box([-0.03, -0.03, 0.0], [0.03, 0.03, 0.0015]).subdivide_to_size(0.01)
     vertices, faces = meshes.arrays(mesh)
-    field = mesh_field("sheet", vertices, faces)
+    field = mesh_field("sheet", ExactDistance(vertices, faces))
     points = np.array([[0.01, 0.0, 0.0], [0.01, 0.0, 0.0015]])
     np.testing.assert_allclose(field_normals(field, points)[0], [[0, 0, -1], [0, 0, 1]], atol=1e-3)
     np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=5e-5)
@@ -151,7 +151,7 @@ def test_thin_sheets_have_two_sides() -> None:
 def test_lattices_stay_small() -> None:
     """A body of a metre has a coarser lattice: no more than 30 MB."""
     vertices, faces = meshes.arrays(meshes.box([-0.5, -0.2, -0.1], [0.5, 0.2, 0.1]))
-    field = distance_field(vertices, faces, 0.002)
+    field = distance_field(ExactDistance(vertices, faces), 0.002)
     assert sum(lattice.coefficients.nbytes for lattice in (field.distance, field.smoothed, field.coarse)) < 30e6
     points = np.array([[0.5, 0.1, 0.03], [0.2, -0.2, 0.0]])
     np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=2e-4)
@@ -161,18 +161,18 @@ def test_fields_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     """By content: a second field comes from the file, a damaged file is made again."""
     monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
     vertices, faces = meshes.arrays(meshes.ball(0.01, 2))
-    first = mesh_field("ball", vertices, faces)
+    first = mesh_field("ball", ExactDistance(vertices, faces))
     [file] = (cache_folder() / "fields").iterdir()
     before = file.read_bytes()
-    second = mesh_field("ball", vertices, faces)
+    second = mesh_field("ball", ExactDistance(vertices, faces))
     for one, other in zip(first[:3], second[:3], strict=True):
         np.testing.assert_array_equal(one.coefficients, other.coefficients)
     assert first.error == second.error
-    mesh_field("ball", 1.1 * vertices, faces)
+    mesh_field("ball", ExactDistance(1.1 * vertices, faces))
     assert len(list((cache_folder() / "fields").iterdir())) == 2
     file.write_bytes(before[:1000])
     np.testing.assert_array_equal(
-        mesh_field("ball", vertices, faces).distance.coefficients, first.distance.coefficients
+        mesh_field("ball", ExactDistance(vertices, faces)).distance.coefficients, first.distance.coefficients
     )
 
 
@@ -209,3 +209,18 @@ def test_the_deepest_point_in_a_solid_is_found() -> None:
         assert depth == pytest.approx(beyond.max(axis=1).min())
         assert point in points
         assert point @ hull.normals[facet] - hull.offsets[facet] == pytest.approx(depth)
+
+
+def test_faces_inside_overlapping_parts_are_no_surface() -> None:
+    """Two boxes that overlap: the depth in the middle is that below the outer faces."""
+    boxes = [trimesh.creation.box((0.04, 0.03, 0.03)) for _ in range(2)]
+    boxes[1].apply_translation([0.02, 0.0, 0.0])
+    both = trimesh.util.concatenate(boxes).subdivide().subdivide()
+    vertices, faces = np.array(both.vertices), np.array(both.faces)
+    places = vertices[faces].mean(axis=1)[:, 0]
+    inner = (np.abs(places - 0.02) < 1e-9) | (np.abs(places) < 1e-9)  # the end of each box is in the other one
+    exact = ExactDistance(vertices, faces, ~inner)
+    middle = np.array([[0.019, 0.0, 0.0], [0.001, 0.0, 0.0]])
+    np.testing.assert_allclose(exact.signed(middle), -0.015, atol=1e-9)
+    assert ExactDistance(vertices, faces).signed(middle).max() > -0.0011
+    np.testing.assert_allclose(field_distances(mesh_field("boxes", exact), middle)[0], -0.015, atol=2e-3)

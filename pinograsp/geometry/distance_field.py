@@ -27,14 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label, maximum_position
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..compiled import compiled
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
 from .hulls import areas
 from .lattice import RIM, Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
 
-VERSION = 4
+VERSION = 5
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -61,9 +61,9 @@ class DistanceField(NamedTuple):
     """Largest difference of the coarse lattice from the distance at the fine nodes near the surface, m."""
 
 
-def footprint_sigma(exact: ExactDistance, vertices: Array, faces: Integers) -> float:
+def footprint_sigma(exact: ExactDistance) -> float:
     """Return the standard deviation sigma that the thickness of a body allows, m: see `descriptions.mesh_contact`."""
-    triangles = vertices[faces[:: math.ceil(len(faces) / FACES)]]
+    triangles = exact.vertices[exact.faces[:: math.ceil(len(exact.faces) / FACES)]]
     sizes = areas(triangles)
     a, b, c = triangles[sizes > 0.0].transpose(1, 0, 2)
     sizes = sizes[sizes > 0.0]
@@ -77,16 +77,14 @@ def footprint_sigma(exact: ExactDistance, vertices: Array, faces: Integers) -> f
     return SIGMAS[-1]
 
 
-def distance_field(vertices: Array, faces: Integers, sigma: float) -> DistanceField:
+def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     """Return the fields of a closed mesh.
 
     Args:
-        vertices: shape (v, 3), m.
-        faces: corners counter-clockwise seen from outside, shape (f, 3).
+        exact: distances to the mesh.
         sigma: standard deviation of the Gaussian, m.
     """
-    exact = ExactDistance(vertices, faces)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
     h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
     reach = MARGIN + 1 + RIM

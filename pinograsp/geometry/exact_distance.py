@@ -14,19 +14,22 @@ class ExactDistance:
     Args:
         vertices: shape (v, 3), m.
         faces: corners counter-clockwise seen from outside, shape (f, 3).
+        outer: which faces bound the body, shape (f,): where parts overlap, some lie inside. All if not given.
     """
 
-    def __init__(self, vertices: Array, faces: Integers) -> None:
-        self._vertices = np.ascontiguousarray(vertices, dtype=np.float64)
-        self._faces = np.ascontiguousarray(faces, dtype=np.int64)
+    def __init__(self, vertices: Array, faces: Integers, outer: Mask | None = None) -> None:
+        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
+        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self.bounding = self.faces if outer is None or outer.all() else self.faces[outer]
+        """The faces to which distances are measured, shape (g, 3)."""
         self._tree = igl.AABB()
-        self._tree.init(self._vertices, self._faces)
+        self._tree.init(self.vertices, self.bounding)
         self._around = igl.FastWindingNumberBVH()
-        self._around.init(self._vertices, self._faces)
+        self._around.init(self.vertices, self.faces)
 
     def unsigned(self, points: Array) -> Array:
         """Return the distances of points, shape (n, 3), to the surface, m, shape (n,)."""
-        squares = self._tree.squared_distance(self._vertices, self._faces, np.ascontiguousarray(points))[0]
+        squares = self._tree.squared_distance(self.vertices, self.bounding, np.ascontiguousarray(points))[0]
         return np.asarray(np.sqrt(squares))
 
     def inside(self, points: Array) -> Mask:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..array_cache import kept
-from ..arrays import Array, Integers
 from ..disk import digest
 from .distance_field import VERSION, DistanceField, distance_field, footprint_sigma
 from .exact_distance import ExactDistance
@@ -15,19 +14,18 @@ from .lattice import Lattice
 LATTICES = ("distance", "smoothed", "coarse")
 
 
-def mesh_field(name: str, vertices: Array, faces: Integers) -> DistanceField:
+def mesh_field(name: str, exact: ExactDistance) -> DistanceField:
     """Return the fields of a closed mesh, with the Gaussian that its thickness allows.
 
     Args:
         name: of the file in the cache, besides the digest of the content.
-        vertices: shape (v, 3), m.
-        faces: corners counter-clockwise seen from outside, shape (f, 3).
+        exact: distances to the mesh.
     """
-    key = digest(f"{VERSION} {len(vertices)} ".encode() + vertices.tobytes() + faces.tobytes())
+    arrays = exact.vertices, exact.faces, exact.bounding
+    key = digest(f"{VERSION} {[len(part) for part in arrays]} ".encode() + b"".join(part.tobytes() for part in arrays))
 
     def make() -> DistanceField:
-        sigma = footprint_sigma(ExactDistance(vertices, faces), vertices, faces)
-        return distance_field(vertices, faces, sigma)
+        return distance_field(exact, footprint_sigma(exact))
 
     return kept("fields", f"{name}-{key[:32]}", make, _arrays_of, _field_of)
 

@@ -41,17 +41,17 @@ class BodySurface:
 
     def __init__(self, shape: Mesh) -> None:
         mesh = object_mesh(shape)
-        self._name, self._vertices, self._faces = shape.file.stem, mesh.vertices, mesh.faces
+        self._name, self._vertices, self._faces, self._outer = shape.file.stem, mesh.vertices, mesh.faces, mesh.outer
         self.radius = float(np.linalg.norm(mesh.vertices, axis=1).max())
 
     @cached_property
     def field(self) -> DistanceField:
         """Signed distance and footprint normals as functions of space."""
-        return mesh_field(self._name, self._vertices, self._faces)
+        return mesh_field(self._name, self._exact)
 
     @cached_property
     def _exact(self) -> ExactDistance:
-        return ExactDistance(self._vertices, self._faces)
+        return ExactDistance(self._vertices, self._faces, self._outer)
 
     @cached_property
     def _hull(self) -> Hull:
