@@ -162,6 +162,7 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
     ("scene", "0.0373}", "-.inf}", "objects.sphere.shape.radius", "radius", ["finite"]),
     ("scene", "0.0373}", "}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "nothing"]),
     ("scene", "0.0373}", "0}", "objects.sphere.shape.radius", "radius", ["must be greater than 0 (given: 0)"]),
+    ("scene", "0.0373}", "9e-6}", "objects.sphere.shape.radius", "radius", ["1e-05 m or more", "(given: 9e-06)"]),
     ("scene", "0.0373}", "1:30}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'1:30'"]),
     ("scene", "0.0373}", "1_0}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'1_0'"]),
     ("scene", "0.0373}", "'0.0373'}", "objects.sphere.shape.radius", "radius", ["a number is wanted", "'0.0373'"]),

@@ -93,6 +93,23 @@ def test_scale_and_unit(tmp_path: Path) -> None:
     assert np.ptp(read(file, unit="cm", scale=100).vertices, axis=0) == pytest.approx(SIZE)
 
 
+@pytest.mark.parametrize(
+    ("scale", "key", "words"),
+    [
+        (-1, "shape.scale", "must be greater than 0 (given: -1)"),
+        ([1, 1, -1], "shape.scale[2]", "must be greater than 0 (given: -1)"),
+        ([1, 1], "shape.scale", "more values are wanted (2 given)"),
+        (np.zeros(3), "shape.scale[0]", "must be greater than 0 (given: 0.0)"),
+        ("2", "shape.scale", "a number is wanted (given: '2')"),
+    ],
+)
+def test_a_wrong_scale_is_told_as_it_was_meant(scale: Any, key: str, words: str, tmp_path: Path) -> None:
+    file = put(tmp_path, "box.stl", box())
+    with pytest.raises(InputError) as refused:
+        Object(shape={"type": "mesh", "file": file, "scale": scale})  # type: ignore[arg-type]
+    assert (refused.value.key, refused.value.problem) == (key, words)
+
+
 def test_millimetres_are_guessed_and_said(tmp_path: Path) -> None:
     large = box()
     large.apply_scale(1000.0)

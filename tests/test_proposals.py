@@ -191,6 +191,9 @@ def test_an_object_that_is_too_wide_is_told_by_how_much(gen3: Robot, glovebox: S
     [
         (Cone(bottom_radius=0.04, top_radius=0.0, height=0.08), "no two faces are opposite to each other"),
         (Box(size=(0.2, 0.0008, 0.0008)), "all opposite points are at edges"),
+        (Box(size=(0.04, 0.04, 1e-5)), "too narrow by 0.2 mm: at most 0.0 mm"),
+        (Sphere(radius=1e-5), "too narrow by 0.1 mm: at most 0.0 mm"),
+        (Cylinder(radius=1e-5, height=0.03), "too narrow by 0.1 mm: at most 0.0 mm"),
     ],
 )
 def test_an_object_without_a_pair_is_told_why(gen3: Robot, glovebox: Scene, shape: Any, why: str) -> None:
@@ -374,6 +377,18 @@ def test_a_fine_mesh_has_pairs_as_its_shape(gen3: Robot, glovebox: Scene, tmp_pa
         size = {"x": 0.05, "y": 0.06, "z": 0.08}["xyz"[int(np.abs(pair.normals[0]).argmax())]]
         assert pair.width == pytest.approx(size, abs=0.002)
         assert math.acos(float(-pair.normals[0] @ pair.normals[1])) < math.radians(6.4)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "why"),
+    [
+        (meshes.box((-0.02, -0.025, -2e-4), (0.02, 0.025, 2e-4)), "are at edges, or where it is thinner than 0.5 mm"),
+        (meshes.ball(1e-9), "too narrow by 0.2 mm: at most 0.0 mm"),
+    ],
+)
+def test_a_mesh_that_is_too_thin_is_told_so(gen3: Robot, glovebox: Scene, tmp_path: Path, mesh: Any, why: str) -> None:
+    file = meshes.written(mesh, tmp_path / "thin.stl")
+    assert why in refusal(gen3, holding(glovebox, Mesh(file=file, unit="m"))).problem
 
 
 def test_a_cup_is_held_across_both_walls(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
@@ -10,6 +12,7 @@ import coal
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 import pinograsp
 from pinograsp.collision.solids import distance_request, scene_body
@@ -29,6 +32,7 @@ from pinograsp.descriptions.shapes import (
 )
 from pinograsp.descriptions.values import Positive
 from pinograsp.geometry.contact_faces import Ruling
+from pinograsp.geometry.convex_solid import convex_solid
 from pinograsp.geometry.shapes import SURFACES, surface_of
 from pinograsp.geometry.shapes.sphere import SphereSurface
 from pinograsp.geometry.tessellation import Tessellation, refined
@@ -266,6 +270,24 @@ def test_lines_up_a_side_turn_as_they_say(shape: ShapeDescription, registered: N
 
 
 # ---- the registry
+
+
+@pytest.mark.parametrize("thickness", [1e-5, 1e-10, 0.0])
+def test_what_is_flat_becomes_a_solid_that_holds_it(thickness: float) -> None:
+    """Coal ends the process where it makes the hull of points in a plane."""
+    corners = np.array(list(itertools.product((-0.1, 0.1), (-0.2, 0.2), (-0.5 * thickness, 0.5 * thickness))))
+    R = Rotation.from_euler("xyz", [0.3, -0.5, 0.7]).as_matrix()
+    solid = np.array(convex_solid(corners @ R.T).points()) @ R
+    assert np.ptp(solid, axis=0) == pytest.approx([0.2, 0.4, max(thickness, 0.4e-6)], rel=0.2)
+    assert (np.abs(solid).max(axis=0) >= [0.1 - 1e-12, 0.2 - 1e-12, 0.5 * thickness - 1e-12]).all()
+
+
+def test_slender_shapes_have_triangles() -> None:
+    drawn = surface_of(Cylinder(radius=1e-5, height=0.03)).tessellation()
+    assert np.abs(drawn.vertices).max(axis=0) == pytest.approx([1e-5, 1e-5, 0.015])
+    a, b, c = drawn.corners.transpose(1, 0, 2)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+    assert volume == pytest.approx(24.0 * math.sin(2.0 * math.pi / 48.0) * 1e-10 * 0.03)
 
 
 def test_two_shapes_of_one_name_are_refused() -> None:

@@ -7,7 +7,17 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, FieldSerializationInfo, ValidationInfo, field_serializer, model_validator
+import numpy as np
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    FieldSerializationInfo,
+    Tag,
+    ValidationInfo,
+    field_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticKnownError
 
 from ..disk import content_of, digest, is_folder
@@ -65,11 +75,23 @@ MeshAddress = Annotated[Path, BeforeValidator(_absolute)]
 """Where a mesh file is; absolute when it was validated."""
 
 
+def _how_many(scale: object) -> str:
+    return "three" if isinstance(scale, list | tuple | np.ndarray) else "one"
+
+
+Scale = Annotated[
+    Annotated[Positive, Tag("one")]
+    | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed), Tag("three")],
+    Discriminator(_how_many),  # so that errors are about what was given
+]
+"""A factor, or one along each axis."""
+
+
 class MeshFile(Frozen):
     """A mesh file and how its coordinates are meant; its content is fixed when the description is made."""
 
     file: MeshAddress | None = None
-    scale: Positive | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)] = 1.0
+    scale: Scale = 1.0
     """Factor on the coordinates in the file, or one along each axis; besides the unit."""
     unit: Unit | None = None
     """Of the coordinates; by default what the file says, else metres, or mm if the body were larger than 3 m."""

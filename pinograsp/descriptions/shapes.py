@@ -16,7 +16,7 @@ from .kinds import Kinds
 from .mesh_files import MeshAddress, MeshFile
 from .model import Frozen
 from .pose import Pose
-from .values import NotNegative, Positive, Sizes3, listed, wrong
+from .values import Size, SizeOrNone, Sizes3, listed, wrong
 
 if TYPE_CHECKING:
     from .filled_mesh import Filled
@@ -42,7 +42,7 @@ class Sphere(ShapeDescription):
     """A ball around the origin of its frame; its radius in m."""
 
     type: Literal["sphere"] = "sphere"
-    radius: Positive
+    radius: Size
     """m."""
 
     @property
@@ -68,9 +68,9 @@ class Cylinder(ShapeDescription):
     """A cylinder around the z axis of its frame, centred at the origin; radius and height in m."""
 
     type: Literal["cylinder"] = "cylinder"
-    radius: Positive
+    radius: Size
     """m."""
-    height: Positive
+    height: Size
     """Along z, m."""
 
     @property
@@ -83,9 +83,9 @@ class Capsule(ShapeDescription):
     """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
 
     type: Literal["capsule"] = "capsule"
-    radius: Positive
+    radius: Size
     """m."""
-    length: Positive
+    length: Size
     """Between the centres of the two end balls, m."""
 
     @property
@@ -98,11 +98,11 @@ class Cone(ShapeDescription):
     """A cone around the z axis of its frame, whole or truncated; its height, along z, is centred at the origin."""
 
     type: Literal["cone"] = "cone"
-    bottom_radius: NotNegative
+    bottom_radius: SizeOrNone
     """At the lower end, m; 0 for a tip."""
-    top_radius: NotNegative
+    top_radius: SizeOrNone
     """At the upper end, m; 0 for a tip."""
-    height: Positive
+    height: Size
     """Along z, m."""
 
     @model_validator(mode="after")

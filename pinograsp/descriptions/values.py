@@ -26,6 +26,10 @@ FARTHEST = 1e9
 """Greatest number, in any unit: nothing that is meant has more, and powers of much greater ones overflow."""
 
 
+LEAST_SIZE = 1e-5
+"""Of a shape, m: what is smaller is no body, and computations with it are about nothing but rounding."""
+
+
 def wrong(problem: str, *path: str | int, remedy: str | None = None) -> PydanticCustomError:
     """Return what a validator raises: the problem is with the key at `path` below the part that it validates."""
     return PydanticCustomError("wrong", "{problem}", {"problem": problem, "path": path, "remedy": remedy})
@@ -50,6 +54,12 @@ def _in_reach(number: float) -> float:
     if abs(number) > FARTHEST:
         raise wrong(f"a number between {-FARTHEST:g} and {FARTHEST:g} is wanted (given: {number!r})")
     return number
+
+
+def _has_size(size: float) -> float:
+    if 0.0 < size < LEAST_SIZE:
+        raise wrong(f"a size of {LEAST_SIZE:g} m or more is wanted (given: {size!r})", remedy="Sizes are in metres")
+    return size
 
 
 def _format(value: object) -> object:
@@ -88,6 +98,10 @@ Format1 = Annotated[Literal[1], BeforeValidator(_format)]
 Number = Annotated[FiniteFloat, BeforeValidator(_number), AfterValidator(_in_reach)]
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
+Size = Annotated[Positive, AfterValidator(_has_size)]
+"""Of a shape, m."""
+SizeOrNone = Annotated[NotNegative, AfterValidator(_has_size)]
+"""Of a shape, m; may be 0."""
 Name = Annotated[str, Field(min_length=1)]
 FileName = Annotated[Name, AfterValidator(_fit_for_files)]
 """A name that becomes part of a file's name."""
@@ -151,7 +165,7 @@ if TYPE_CHECKING:
     Ranges: TypeAlias = Takes[Mapping[str, Numbers], Mapping[str, tuple[float, float]]]
 else:
     Vector3 = Annotated[tuple[Number, Number, Number], BeforeValidator(listed)]
-    Sizes3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(listed)]
+    Sizes3 = Annotated[tuple[Size, Size, Size], BeforeValidator(listed)]
     UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
     OptionalVector3 = Vector3 | None
     Points = Annotated[tuple[Vector3, ...], Field(min_length=1), BeforeValidator(listed)]

@@ -28,8 +28,8 @@ SLIDES = 8
 """Steps in which the second point slides."""
 LONGEST_SLIDE = 0.01
 """Of one step, m."""
-FLAT = 1.0
-"""Curvature below which a surface counts as flat, 1/m."""
+FLAT, FLAT_SHARE = 1.0, 1e-5
+"""Curvature below which a surface counts as flat, 1/m, and share of its greatest one there."""
 
 
 class Pairs(NamedTuple):
@@ -139,7 +139,9 @@ def _slid(surface: Surface, points: Array, wanted: Array) -> Array:
     points = _on_surface(surface, points)
     for _ in range(SLIDES):
         normals, slopes = surface.footprint(points)
-        squares = slopes.transpose(0, 2, 1) @ slopes + FLAT**2 * np.eye(3)
+        squares = slopes.transpose(0, 2, 1) @ slopes
+        flat = FLAT**2 + FLAT_SHARE**2 * np.trace(squares, axis1=1, axis2=2)
+        squares += flat[:, None, None] * np.eye(3)
         slides = np.linalg.solve(squares, slopes.transpose(0, 2, 1) @ (wanted - normals)[:, :, None])[:, :, 0]
         lengths = np.linalg.norm(slides, axis=1)[:, None]
         slides *= np.minimum(1.0, LONGEST_SLIDE / np.maximum(lengths, LONGEST_SLIDE))

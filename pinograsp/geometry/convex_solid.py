@@ -13,6 +13,8 @@ from .hulls import Hull
 
 NEIGHBOURS = 250
 """Corners that a hull may have for certain: Coal wants fewer than 256 neighbours of each."""
+THINNEST = 1e-6
+"""Of its length: thinner points have no hull that Coal could make, it ends the process."""
 IDENTITY = np.eye(4)
 
 
@@ -31,8 +33,10 @@ def convex_solid(points: Array) -> Any:
     """Return the convex hull of points, shape (n, 3), m, for Coal.
 
     Where one corner has more neighbours than Coal takes, as on the flat end of a fine cylinder, it is a hull of fewer
-    corners, a little larger so that it holds all of them.
+    corners, a little larger so that it holds all of them. What is thinner than a millionth of its length is made as
+    thick as that.
     """
+    points = _thickened(points)
     try:
         return _hull(points)
     except RuntimeError:
@@ -43,6 +47,17 @@ def _hull(points: Array) -> Any:
     cloud = coal.StdVec_Vec3s()
     cloud.extend(list(points))
     return coal.Convex.convexHull(cloud, True, "Qt")
+
+
+def _thickened(points: Array) -> Array:
+    """Return points, and where they are too thin along one of their principal axes, others on both sides of them."""
+    away = points - points.mean(axis=0)
+    axes = np.linalg.svd(away.T @ away)[0].T
+    lengths = np.ptp(away @ axes.T, axis=0)
+    least = THINNEST * float(lengths.max())
+    for axis in axes[lengths < least]:
+        points = np.concatenate([points - 0.5 * least * axis, points + 0.5 * least * axis])
+    return points
 
 
 def _fewer(points: Array) -> Array:

@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..descriptions.mesh_contact import SIGMAS
 from ..errors import TaskError
 from ..frozen import Record
 from ..geometry.antipodal import Pairs, opposite_points
@@ -155,6 +156,10 @@ class Proposals:
                 break
         if any(tried.values()):
             reason = _Reason("no face is there that a pad fits on", "Use a gripper with smaller pads")
+        elif not reason.problem and self._model.surface.uneven:
+            thin = f"thinner than {1e3 * SIGMAS[-1]:g} mm"
+            remedy = "Give desired contacts, or a shape other than a mesh"
+            reason = _Reason(f"all opposite points are at edges, or where it is {thin}", remedy)
         elif not reason.problem:
             reason = _Reason("all opposite points are at edges", "Give a smaller reserve.rim")
         if not found:

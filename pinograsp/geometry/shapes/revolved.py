@@ -43,4 +43,6 @@ def revolved(bottom: float, top: float, half: float) -> Tessellation:
     ends = [np.linspace(0.0, radius, CAP_RINGS, endpoint=False) if radius else np.array([]) for radius in (bottom, top)]
     side = zip(np.linspace(bottom, top, rings + 1), np.linspace(-half, half, rings + 1), strict=True)
     profile = [*((r, -half) for r in ends[0]), *side, *((r, half) for r in ends[1][::-1])]
-    return tessellation_of(trimesh.creation.revolve(np.array(profile), sections=SECTIONS))
+    unit = 2.0 ** math.frexp(width)[1]  # trimesh drops triangles that are small in metres; a power of 2 rounds nothing
+    made = tessellation_of(trimesh.creation.revolve(np.array(profile) / unit, sections=SECTIONS))
+    return made._replace(vertices=unit * made.vertices)
