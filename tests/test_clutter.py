@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pinograsp import Body, Box, Compound, Part, Pose, Sphere
 from pinograsp.collision.ball_tree import BallTree
 from pinograsp.collision.batch_clearance import BatchClearance
-from pinograsp.collision.boxes import box_gap, half_edges
+from pinograsp.collision.boxes import _box_gap, half_edges
 from pinograsp.collision.distances import REACH, Distances
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.solids import bounded, distance_request
@@ -98,10 +98,10 @@ def test_boxes_are_no_nearer_than_their_gap(seed: int) -> None:
     poses = coal.Transform3s(R[0], np.zeros(3)), coal.Transform3s(R[1], apart)
     shapes = [solid.shape for solid in solids]
     distance = coal.distance(shapes[0], poses[0], shapes[1], poses[1], distance_request(), coal.DistanceResult())
-    gap = box_gap(R[0], half_edges(shapes[0]), R[1], half_edges(shapes[1]), apart)
+    gap = _box_gap(R[0], half_edges(shapes[0]), R[1], half_edges(shapes[1]), apart)
     assert gap <= distance + 1e-8
     beside = np.array([half_edges(shapes[0])[0] + half_edges(shapes[1])[0] + 0.02, 0.0, 0.0])
-    straight = box_gap(np.eye(3), half_edges(shapes[0]), np.eye(3), half_edges(shapes[1]), beside)
+    straight = _box_gap(np.eye(3), half_edges(shapes[0]), np.eye(3), half_edges(shapes[1]), beside)
     assert straight == pytest.approx(0.02)
 
 

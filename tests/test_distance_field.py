@@ -13,19 +13,12 @@ from conftest import Array
 
 from pinograsp.descriptions.mesh_contact import SIGMAS
 from pinograsp.disk import cache_folder
-from pinograsp.geometry.distance_field import (
-    AROUND,
-    DistanceField,
-    distance_below,
-    distance_field,
-    field_distances,
-    field_normals,
-    footprint_sigma,
-)
+from pinograsp.geometry.distance_field import DistanceField, distance_field, footprint_sigma
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_cache import mesh_field
+from pinograsp.geometry.field_kernels import AROUND, distance_below, field_distances, field_normals, nearest_points
 from pinograsp.geometry.hulls import Hull
-from pinograsp.geometry.point_trees import deepest_point, nearest_points, point_trees
+from pinograsp.geometry.point_trees import deepest_point, point_trees
 
 THINGS = list(meshes.THINGS)
 

@@ -23,11 +23,10 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Indices, Mask
-from ..compiled import compiled
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
 from ..kinematics.robot import Robot
 from .ball_tree import BallTree
-from .boxes import ROUNDING, box_gap, half_edges
+from .boxes import half_edges, near_pieces
 from .solids import distance_request
 from .world import Body, Hull, Solid, World
 
@@ -198,7 +197,7 @@ class BatchClearance:
             rows, members = self._tree.near(R @ hull.placement[:3, :3], R @ hull.center + p, halves, most)
             placements, centers, own = (part[first : first + count] for part in self._boxes)
             rotations, theirs, their_halves = self._their_boxes
-            which, parts, members, bounds = _close(
+            which, parts, members, bounds = near_pieces(
                 rows, members, R, p, placements, centers, own, rotations, theirs, their_halves, most
             )
             found.append((which, first + parts, members, bounds))
@@ -234,56 +233,6 @@ class BatchClearance:
 
     def _distance(self, first: Any, at: Any, second: Any, there: Any) -> float:
         return float(coal.distance(first, at, second, there, self._request, coal.DistanceResult()))
-
-
-@compiled
-def _close(
-    rows: Indices,
-    members: Indices,
-    R: Array,
-    p: Array,
-    placements: Array,
-    centers: Array,
-    halves: Array,
-    rotations: Array,
-    theirs: Array,
-    their_halves: Array,
-    most: Array,
-) -> tuple[Indices, Indices, Indices, Array]:
-    """Return the pairs of a link's pieces and obstacles' whose boxes may be nearer than `most`, with their gap.
-
-    Args:
-        rows: configurations in which the link's hull is near to an obstacle's piece, shape (k,).
-        members: which pieces these are, shape (k,).
-        R: rotations of the link's group, shape (N, 3, 3).
-        p: its translations, m, shape (N, 3).
-        placements: rotations of the link's pieces in the group, shape (pieces, 3, 3).
-        centers: of their boxes in the group, m, shape (pieces, 3).
-        halves: half edges of their boxes, m, shape (pieces, 3).
-        rotations: of the obstacles' pieces in the world, shape (n, 3, 3).
-        theirs: centres of their boxes in the world, m, shape (n, 3).
-        their_halves: half edges of their boxes, m, shape (n, 3).
-        most: m, shape (N,).
-    """
-    size = len(rows) * len(centers)
-    which, pieces, found = np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp), np.empty(size, dtype=np.intp)
-    bounds, count = np.empty(size), 0
-    turned, apart = np.empty((3, 3)), np.empty(3)
-    for k in range(len(rows)):
-        n, member = rows[k], members[k]
-        for piece in range(len(centers)):
-            for i in range(3):
-                apart[i] = theirs[member, i] - p[n, i]
-                for j in range(3):
-                    apart[i] -= R[n, i, j] * centers[piece, j]
-                    turned[i, j] = 0.0
-                    for m in range(3):
-                        turned[i, j] += R[n, i, m] * placements[piece, m, j]
-            gap = box_gap(turned, halves[piece], rotations[member], their_halves[member], apart)
-            if gap < most[n] + ROUNDING:
-                which[count], pieces[count], found[count], bounds[count] = n, piece, member, gap - ROUNDING
-                count += 1
-    return which[:count].copy(), pieces[:count].copy(), found[:count].copy(), bounds[:count].copy()
 
 
 def _take(frames: GroupFrames, which: Indices | Mask) -> GroupFrames:

@@ -14,7 +14,6 @@ so that culling never makes a constraint jump). Obstacles are found by a tree.
 from __future__ import annotations
 
 import copy
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +25,7 @@ from ..compiled import compiled
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from .ball_tree import BallTree
-from .boxes import ROUNDING, box_gap, half_edges
+from .boxes import half_edges, near_pairs
 from .pairs import pairs_of
 from .solids import distance_request
 from .world import BodyKey, World
@@ -146,7 +145,7 @@ class CollisionModel:
         hulls = self._hulls
         rows, columns = self._tree.near(rotations[hulls], at[hulls], self._halves[hulls], self._around)
         candidates = _candidates(self._others, rows, columns, self._table, self._parts, self._ends)
-        return _near(
+        return near_pairs(
             candidates,
             rotations,
             translations,
@@ -260,66 +259,6 @@ def _candidates(
             found[k] = met[j]
             j += 1
     return found
-
-
-@compiled
-def _near(
-    candidates: Indices,
-    rotations: Array,
-    translations: Array,
-    at: Array,
-    radii: Array,
-    halves: Array,
-    normals: Array,
-    offsets: Array,
-    first: Indices,
-    second: Indices,
-    reach: Array,
-) -> Indices:
-    """Return the pairs that can be nearer than their reach, from bounding spheres and boxes.
-
-    Args:
-        candidates: pairs that are looked at, shape (candidates,).
-        rotations: rotations of the solids, shape (solids, 3, 3).
-        translations: translations of the solids, world, m, shape (solids, 3).
-        at: centres of the bounding spheres and boxes, world, m, shape (solids, 3).
-        radii: of the solids, m, shape (solids,); infinite for walls.
-        halves: half edges of the bounding boxes, m, shape (solids, 3).
-        normals: of the walls, inward, in their own frames, shape (solids, 3).
-        offsets: of the walls: normal . p on them, m, shape (solids,).
-        first: solid of every pair, shape (pairs,).
-        second: solid or wall of every pair, shape (pairs,).
-        reach: of every pair, m, shape (pairs,).
-    """
-    near = np.empty(len(candidates), dtype=np.intp)
-    count, apart = 0, np.empty(3)
-    for pair in candidates:
-        a, b = first[pair], second[pair]
-        if math.isinf(radii[b]):
-            height, extent = -offsets[b], 0.0
-            apart[:] = 0.0  # the wall's normal in the frame of the other solid
-            for axis in range(3):
-                inward = 0.0
-                for k in range(3):
-                    inward += rotations[b, axis, k] * normals[b, k]
-                height += (at[a, axis] - translations[b, axis]) * inward
-                for k in range(3):
-                    apart[k] += rotations[a, axis, k] * inward
-            for k in range(3):
-                extent += halves[a, k] * abs(apart[k])
-            close = height - min(radii[a], extent) < reach[pair] + ROUNDING
-        else:
-            square, limit = 0.0, reach[pair] + radii[a] + radii[b]
-            for axis in range(3):
-                apart[axis] = at[b, axis] - at[a, axis]
-                square += apart[axis] ** 2
-            close = square < limit * limit
-            if close:
-                close = box_gap(rotations[a], halves[a], rotations[b], halves[b], apart) < reach[pair] + ROUNDING
-        if close:
-            near[count] = pair
-            count += 1
-    return near[:count].copy()
 
 
 @compiled

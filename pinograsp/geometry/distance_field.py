@@ -28,11 +28,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label, maximum_position
 
 from ..arrays import Array
-from ..compiled import compiled
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
+from .field_kernels import AROUND, coarse_values
 from .hulls import areas
-from .lattice import RIM, Lattice, covers, derivatives_at, distance_beyond, lattice_of, nodes, value_at
+from .lattice import RIM, Lattice, lattice_of, nodes
 
 VERSION = 5
 """Of how fields are made; to be raised with every change that gives others."""
@@ -45,8 +45,6 @@ MARGIN = 8
 FINEST, MOST_NODES = 0.0005, 3_500_000
 """Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
 COARSE_NODES = 60_000
-AROUND = 0.1
-"""How far the coarse lattice reaches beyond the body, m."""
 _TRUNCATED = 3.0
 """Standard deviations where the Gaussian ends."""
 
@@ -90,7 +88,7 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     reach = MARGIN + 1 + RIM
     counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
-    values = _coarse_values(coarse, origin, h, counts)
+    values = coarse_values(coarse, origin, h, counts)
     near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.3 * coarse.spacing)
     distances = np.abs(values.ravel())
     distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
@@ -147,82 +145,3 @@ def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> N
 def _some_nodes(origin: Array, h: float, counts: tuple[int, ...], which: NDArray[np.intp]) -> Array:
     """Return some nodes of a lattice by their number, shape (n, 3), m."""
     return np.asarray(origin + h * np.column_stack(np.unravel_index(which, counts)))
-
-
-@compiled
-def _coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, int, int]) -> Array:
-    values = np.empty(counts)
-    for i in range(counts[0]):
-        for j in range(counts[1]):
-            for k in range(counts[2]):
-                values[i, j, k] = value_at(coarse, origin[0] + i * h, origin[1] + j * h, origin[2] + k * h)
-    return values
-
-
-@compiled
-def distance_below(field: DistanceField, x: float, y: float, z: float, most: float) -> float:
-    """Return the signed distance of a point if it is less than `most`, else a lower bound of it that is no less, m.
-
-    Of most points the coarse lattice tells that, which is small enough to stay in the processor's cache.
-    """
-    if not covers(field.coarse, x, y, z):
-        return AROUND + distance_beyond(field.coarse, x, y, z)
-    value = value_at(field.coarse, x, y, z)
-    if value - field.error >= most:
-        return value - field.error
-    return value_at(field.distance, x, y, z) if covers(field.distance, x, y, z) else value
-
-
-@compiled
-def _derivatives(field: DistanceField, fine: Lattice, point: Array, gradient: Array, hessian: Array) -> float:
-    """Return the value of a field at a point; write gradient and Hessian."""
-    x, y, z = point[0], point[1], point[2]
-    if covers(fine, x, y, z):
-        return derivatives_at(fine, x, y, z, gradient, hessian)
-    if covers(field.coarse, x, y, z):
-        return derivatives_at(field.coarse, x, y, z, gradient, hessian)
-    nearest, beyond = np.empty(3), distance_beyond(field.coarse, x, y, z)
-    for i in range(3):
-        low = field.coarse.origin[i] + field.coarse.spacing
-        high = field.coarse.origin[i] + field.coarse.spacing * (field.coarse.coefficients.shape[i] - 2)
-        nearest[i] = min(max(point[i], low), high)
-    value = derivatives_at(field.coarse, nearest[0], nearest[1], nearest[2], gradient, hessian)
-    for i in range(3):
-        if point[i] != nearest[i]:  # d(q) does not change with this coordinate
-            gradient[i] = (point[i] - nearest[i]) / beyond
-            hessian[i, :] = 0.0
-            hessian[:, i] = 0.0
-    for i in range(3):
-        for j in range(3):
-            if point[i] != nearest[i] and point[j] != nearest[j]:
-                hessian[i, j] = ((1.0 if i == j else 0.0) - gradient[i] * gradient[j]) / beyond
-    return value + beyond
-
-
-@compiled
-def field_distances(field: DistanceField, points: Array) -> tuple[Array, Array, Array]:
-    """Return d (n,), its gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3), m."""
-    n = len(points)
-    values, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
-    for i in range(n):
-        values[i] = _derivatives(field, field.distance, points[i], gradients[i], hessians[i])
-    return values, gradients, hessians
-
-
-@compiled
-def field_normals(field: DistanceField, points: Array) -> tuple[Array, Array]:
-    """Return the footprint normals (n, 3) and their derivatives (n, 3, 3) at points (n, 3), m."""
-    n = len(points)
-    normals, derivatives = np.empty((n, 3)), np.empty((n, 3, 3))
-    hessian = np.empty((3, 3))
-    for i in range(n):
-        normal = normals[i]
-        _derivatives(field, field.smoothed, points[i], normal, hessian)
-        length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        for a in range(3):
-            normal[a] /= length
-        for b in range(3):
-            along = normal[0] * hessian[0, b] + normal[1] * hessian[1, b] + normal[2] * hessian[2, b]
-            for a in range(3):
-                derivatives[i, a, b] = (hessian[a, b] - normal[a] * along) / length
-    return normals, derivatives

@@ -14,7 +14,6 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..compiled import compiled
-from .distance_field import DistanceField, distance_below
 
 LEAF = 16
 """Points of a ball that is not divided any more, at most."""
@@ -75,52 +74,6 @@ def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
 
 
 @compiled
-def nearest_points(
-    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, caps: Array
-) -> tuple[Array, Array]:
-    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
-
-    Args:
-        trees: the sets.
-        field: of the surface.
-        rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
-        translations: of these, m, shape (bodies, 3).
-        caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
-    """
-    values, nearest = caps.copy(), np.zeros((len(caps), 3))
-    waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
-    for number in range(len(caps)):
-        R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
-        waiting[0], bounds[0] = trees.roots[number], -np.inf
-        count = 1
-        while count:
-            count -= 1
-            if bounds[count] >= values[number]:
-                continue
-            first, second = trees.parts[waiting[count]]
-            if second < 0:
-                for k in range(first, first - 1 - second):
-                    x, y, z = _moved(R, t, trees.points[k])
-                    value = distance_below(field, x, y, z, values[number])
-                    if value < values[number]:
-                        values[number] = value
-                        nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
-                continue
-            x, y, z = _moved(R, t, trees.centers[first])
-            radius = trees.radii[first]
-            one = distance_below(field, x, y, z, values[number] + radius) - radius
-            x, y, z = _moved(R, t, trees.centers[second])
-            radius = trees.radii[second]
-            other = distance_below(field, x, y, z, values[number] + radius) - radius
-            if one < other:  # the nearer one is taken first: it comes last
-                first, second, one, other = second, first, other, one
-            waiting[count], bounds[count] = first, one
-            waiting[count + 1], bounds[count + 1] = second, other
-            count += 2
-    return values, nearest
-
-
-@compiled
 def deepest_point(trees: PointTrees, normals: Array, offsets: Array) -> tuple[float, Array, int]:
     """Return how far the first set is outside a convex solid, negative inside, m, its point there, and the facet.
 
@@ -166,13 +119,3 @@ def _outside(normals: Array, offsets: Array, point: Array) -> tuple[float, int]:
         if beyond > most:
             most, facet = beyond, k
     return most, facet
-
-
-@compiled
-def _moved(R: Array, t: Array, point: Array) -> tuple[float, float, float]:
-    a, b, c = point[0], point[1], point[2]
-    return (
-        R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + t[0],
-        R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + t[1],
-        R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + t[2],
-    )

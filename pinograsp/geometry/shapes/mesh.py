@@ -16,12 +16,13 @@ from ...memo import remembered
 from ..contact_faces import ContactFace, Spot
 from ..convex_solid import ConvexPiece, convex_solid
 from ..cover_cache import body_cover
-from ..distance_field import DistanceField, field_distances, field_normals
+from ..distance_field import DistanceField
 from ..exact_distance import ExactDistance
 from ..field_cache import mesh_field
+from ..field_kernels import field_distances, field_normals, nearest_points
 from ..hulls import Hull
 from ..object_mesh import object_mesh
-from ..point_trees import PointTrees, deepest_point, nearest_points, point_trees
+from ..point_trees import PointTrees, deepest_point, point_trees
 from ..tessellation import Tessellation, refined
 
 PIECES, TOLERANCE = 12, 0.002

@@ -1,0 +1,259 @@
+"""Distance fields at points, compiled: splines, both fields, and the nearest of a set of points.
+
+All in one file: what Numba keeps of a function is as old as the file of that function, and not of those that it calls.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import compiled
+
+if TYPE_CHECKING:
+    from .distance_field import DistanceField
+    from .lattice import Lattice
+    from .point_trees import PointTrees
+
+AROUND = 0.1
+"""How far the coarse lattice reaches beyond the body, m."""
+_DEPTH = 64
+
+
+@compiled
+def _covers(lattice: Lattice, x: float, y: float, z: float) -> bool:
+    """Return whether a point is at least one spacing within the outermost nodes."""
+    origin, once, counts = lattice.origin, 1.0 / lattice.spacing, lattice.coefficients.shape
+    u, v, w = (x - origin[0]) * once, (y - origin[1]) * once, (z - origin[2]) * once
+    return bool(1.0 <= u <= counts[0] - 2 and 1.0 <= v <= counts[1] - 2 and 1.0 <= w <= counts[2] - 2)
+
+
+@compiled
+def _distance_beyond(lattice: Lattice, x: float, y: float, z: float) -> float:
+    """Return how far a point is from what the lattice covers, m."""
+    square = 0.0
+    for axis in range(3):
+        place = x if axis == 0 else (y if axis == 1 else z)
+        low = lattice.origin[axis] + lattice.spacing
+        high = lattice.origin[axis] + lattice.spacing * (lattice.coefficients.shape[axis] - 2)
+        square += max(low - place, place - high, 0.0) ** 2
+    return math.sqrt(square)
+
+
+@compiled
+def _cell(lattice: Lattice, axis: int, place: float) -> tuple[int, float]:
+    """Return the first of the four nodes along an axis that count at a place, and its share of the middle step."""
+    u = (place - lattice.origin[axis]) / lattice.spacing
+    first = min(max(int(u) - 1, 0), lattice.coefficients.shape[axis] - 4)
+    return first, u - first - 1.0
+
+
+@compiled
+def _weights(t: float) -> tuple[float, float, float, float]:
+    s = 1.0 - t
+    cube, other = t * t * t, s * s * s
+    return other / 6.0, (4.0 - 6.0 * t * t + 3.0 * cube) / 6.0, (4.0 - 6.0 * s * s + 3.0 * other) / 6.0, cube / 6.0
+
+
+@compiled
+def _slopes(t: float) -> tuple[float, float, float, float]:
+    s = 1.0 - t
+    return -0.5 * s * s, 0.5 * t * (3.0 * t - 4.0), 0.5 * s * (4.0 - 3.0 * s), 0.5 * t * t
+
+
+@compiled
+def _bends(t: float) -> tuple[float, float, float, float]:
+    return 1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t
+
+
+@compiled
+def _value_at(lattice: Lattice, x: float, y: float, z: float) -> float:
+    """Return the value at a point that the lattice covers."""
+    (i, t), (j, u), (k, v) = _cell(lattice, 0, x), _cell(lattice, 1, y), _cell(lattice, 2, z)
+    a, b, c = _weights(t), _weights(u), _weights(v)
+    total = 0.0
+    for p in range(4):
+        plane = 0.0
+        for q in range(4):
+            row = lattice.coefficients[i + p, j + q, k : k + 4]
+            plane += b[q] * (c[0] * row[0] + c[1] * row[1] + c[2] * row[2] + c[3] * row[3])
+        total += a[p] * plane
+    return total
+
+
+@compiled
+def _derivatives_at(lattice: Lattice, x: float, y: float, z: float, gradient: Array, hessian: Array) -> float:
+    """Return the value at a point that the lattice covers; write gradient (3,) and Hessian (3, 3)."""
+    (i, t), (j, u), (k, v) = _cell(lattice, 0, x), _cell(lattice, 1, y), _cell(lattice, 2, z)
+    a, da, dda = _weights(t), _slopes(t), _bends(t)
+    b, db, ddb = _weights(u), _slopes(u), _bends(u)
+    c, dc, ddc = _weights(v), _slopes(v), _bends(v)
+    f = fx = fy = fz = fxx = fyy = fzz = fxy = fxz = fyz = 0.0
+    for p in range(4):
+        g = gy = gz = gyy = gzz = gyz = 0.0
+        for q in range(4):
+            row = lattice.coefficients[i + p, j + q, k : k + 4]
+            r = c[0] * row[0] + c[1] * row[1] + c[2] * row[2] + c[3] * row[3]
+            rz = dc[0] * row[0] + dc[1] * row[1] + dc[2] * row[2] + dc[3] * row[3]
+            rzz = ddc[0] * row[0] + ddc[1] * row[1] + ddc[2] * row[2] + ddc[3] * row[3]
+            g += b[q] * r
+            gy += db[q] * r
+            gyy += ddb[q] * r
+            gz += b[q] * rz
+            gyz += db[q] * rz
+            gzz += b[q] * rzz
+        f += a[p] * g
+        fx += da[p] * g
+        fxx += dda[p] * g
+        fy += a[p] * gy
+        fxy += da[p] * gy
+        fyy += a[p] * gyy
+        fz += a[p] * gz
+        fxz += da[p] * gz
+        fyz += a[p] * gyz
+        fzz += a[p] * gzz
+    once, twice = 1.0 / lattice.spacing, 1.0 / (lattice.spacing * lattice.spacing)
+    gradient[0], gradient[1], gradient[2] = once * fx, once * fy, once * fz
+    hessian[0, 0], hessian[1, 1], hessian[2, 2] = twice * fxx, twice * fyy, twice * fzz
+    hessian[0, 1], hessian[0, 2], hessian[1, 2] = twice * fxy, twice * fxz, twice * fyz
+    hessian[1, 0], hessian[2, 0], hessian[2, 1] = hessian[0, 1], hessian[0, 2], hessian[1, 2]
+    return f
+
+
+@compiled
+def coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, int, int]) -> Array:
+    """Return the values of a spline at the nodes of a finer lattice: its first node, spacing, m, and their numbers."""
+    values = np.empty(counts)
+    for i in range(counts[0]):
+        for j in range(counts[1]):
+            for k in range(counts[2]):
+                values[i, j, k] = _value_at(coarse, origin[0] + i * h, origin[1] + j * h, origin[2] + k * h)
+    return values
+
+
+@compiled
+def distance_below(field: DistanceField, x: float, y: float, z: float, most: float) -> float:
+    """Return the signed distance of a point if it is less than `most`, else a lower bound of it that is no less, m.
+
+    Of most points the coarse lattice tells that, which is small enough to stay in the processor's cache.
+    """
+    if not _covers(field.coarse, x, y, z):
+        return AROUND + _distance_beyond(field.coarse, x, y, z)
+    value = _value_at(field.coarse, x, y, z)
+    if value - field.error >= most:
+        return value - field.error
+    return _value_at(field.distance, x, y, z) if _covers(field.distance, x, y, z) else value
+
+
+@compiled
+def _derivatives(field: DistanceField, fine: Lattice, point: Array, gradient: Array, hessian: Array) -> float:
+    """Return the value of a field at a point; write gradient and Hessian."""
+    x, y, z = point[0], point[1], point[2]
+    if _covers(fine, x, y, z):
+        return _derivatives_at(fine, x, y, z, gradient, hessian)
+    if _covers(field.coarse, x, y, z):
+        return _derivatives_at(field.coarse, x, y, z, gradient, hessian)
+    nearest, beyond = np.empty(3), _distance_beyond(field.coarse, x, y, z)
+    for i in range(3):
+        low = field.coarse.origin[i] + field.coarse.spacing
+        high = field.coarse.origin[i] + field.coarse.spacing * (field.coarse.coefficients.shape[i] - 2)
+        nearest[i] = min(max(point[i], low), high)
+    value = _derivatives_at(field.coarse, nearest[0], nearest[1], nearest[2], gradient, hessian)
+    for i in range(3):
+        if point[i] != nearest[i]:  # d(q) does not change with this coordinate
+            gradient[i] = (point[i] - nearest[i]) / beyond
+            hessian[i, :] = 0.0
+            hessian[:, i] = 0.0
+    for i in range(3):
+        for j in range(3):
+            if point[i] != nearest[i] and point[j] != nearest[j]:
+                hessian[i, j] = ((1.0 if i == j else 0.0) - gradient[i] * gradient[j]) / beyond
+    return value + beyond
+
+
+@compiled
+def field_distances(field: DistanceField, points: Array) -> tuple[Array, Array, Array]:
+    """Return d (n,), its gradient (n, 3) and Hessian (n, 3, 3) at points (n, 3), m."""
+    n = len(points)
+    values, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    for i in range(n):
+        values[i] = _derivatives(field, field.distance, points[i], gradients[i], hessians[i])
+    return values, gradients, hessians
+
+
+@compiled
+def field_normals(field: DistanceField, points: Array) -> tuple[Array, Array]:
+    """Return the footprint normals (n, 3) and their derivatives (n, 3, 3) at points (n, 3), m."""
+    n = len(points)
+    normals, derivatives = np.empty((n, 3)), np.empty((n, 3, 3))
+    hessian = np.empty((3, 3))
+    for i in range(n):
+        normal = normals[i]
+        _derivatives(field, field.smoothed, points[i], normal, hessian)
+        length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        for a in range(3):
+            normal[a] /= length
+        for b in range(3):
+            along = normal[0] * hessian[0, b] + normal[1] * hessian[1, b] + normal[2] * hessian[2, b]
+            for a in range(3):
+                derivatives[i, a, b] = (hessian[a, b] - normal[a] * along) / length
+    return normals, derivatives
+
+
+@compiled
+def nearest_points(
+    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, caps: Array
+) -> tuple[Array, Array]:
+    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
+
+    Args:
+        trees: the sets.
+        field: of the surface.
+        rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
+        translations: of these, m, shape (bodies, 3).
+        caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
+    """
+    values, nearest = caps.copy(), np.zeros((len(caps), 3))
+    waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
+    for number in range(len(caps)):
+        R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
+        waiting[0], bounds[0] = trees.roots[number], -np.inf
+        count = 1
+        while count:
+            count -= 1
+            if bounds[count] >= values[number]:
+                continue
+            first, second = trees.parts[waiting[count]]
+            if second < 0:
+                for k in range(first, first - 1 - second):
+                    x, y, z = _moved(R, t, trees.points[k])
+                    value = distance_below(field, x, y, z, values[number])
+                    if value < values[number]:
+                        values[number] = value
+                        nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
+                continue
+            x, y, z = _moved(R, t, trees.centers[first])
+            radius = trees.radii[first]
+            one = distance_below(field, x, y, z, values[number] + radius) - radius
+            x, y, z = _moved(R, t, trees.centers[second])
+            radius = trees.radii[second]
+            other = distance_below(field, x, y, z, values[number] + radius) - radius
+            if one < other:  # the nearer one is taken first: it comes last
+                first, second, one, other = second, first, other, one
+            waiting[count], bounds[count] = first, one
+            waiting[count + 1], bounds[count + 1] = second, other
+            count += 2
+    return values, nearest
+
+
+@compiled
+def _moved(R: Array, t: Array, point: Array) -> tuple[float, float, float]:
+    a, b, c = point[0], point[1], point[2]
+    return (
+        R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + t[0],
+        R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + t[1],
+        R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + t[2],
+    )
