@@ -14,6 +14,7 @@ import yaml
 from numpy.typing import NDArray
 from test_reverify import sealed
 
+import pinograsp
 from pinograsp import (
     Cone,
     Cylinder,
@@ -38,7 +39,7 @@ from pinograsp.descriptions.scene import STANDARD_GRAVITY
 from pinograsp.errors import TaskError, UnknownNameError
 from pinograsp.hold.mjcf import HandAndObject
 from pinograsp.hold.options import HoldOptions
-from pinograsp.problem import TaskModel
+from pinograsp.problem import TaskModel, check_task
 from pinograsp.verification.check import Verifier
 from pinograsp.visualization.forces import LONGEST_ARROW, draw_forces
 
@@ -286,3 +287,19 @@ def test_tasks_of_other_scenes(bare: Scene, glovebox: Scene) -> None:
     for ask in (bare.wrench_of, bare.mass_of):
         with pytest.raises(UnknownNameError, match="sphere"):
             ask(other)
+
+
+def test_a_centre_of_mass_far_outside_is_odd(gen3: Robot, glovebox: Scene) -> None:
+    """Millimetres that are given for metres."""
+    sphere = glovebox.objects["sphere"]
+    assert check_task(TaskModel(gen3, glovebox, "sphere")) == []
+    far = glovebox.with_object("sphere", sphere.model_copy(update={"center_of_mass": (1.0, 0.0, 0.0)}))
+    [odd] = check_task(TaskModel(gen3, far, "sphere"))
+    assert odd.startswith("the centre of mass of 'sphere' is at least 962.7 mm outside of it")
+
+
+def test_a_list_of_points_has_an_end() -> None:
+    points = [(0.0, 0.0, 0.001 * i) for i in range(1001)]
+    assert len(pinograsp.Near(points=points[:1000], radius=0.01).points) == 1000
+    with pytest.raises(InputError, match=r"no more than 1000 values are wanted \(1001 given\)"):
+        pinograsp.Near(points=points, radius=0.01)

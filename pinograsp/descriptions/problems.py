@@ -127,7 +127,7 @@ def _in_words(problem: ErrorDetails, *, in_file: bool) -> str:
         case "missing":
             return f"more values are wanted ({len(given)} given)"
         case "too_long":
-            return f"{context['max_length']} values are wanted ({context['actual_length']} given)"
+            return f"no more than {context['max_length']} values are wanted ({context['actual_length']} given)"
         case "too_short":
             return f"at least {context['min_length']} values are wanted ({context['actual_length']} given)"
         case "tuple_type":

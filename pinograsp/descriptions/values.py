@@ -154,6 +154,9 @@ def as_default(value: object) -> Any:
     return value
 
 
+MOST_POINTS = 1000
+"""Of a list of points: each costs time wherever the list is looked at."""
+
 if TYPE_CHECKING:
     Vector3: TypeAlias = Takes[Numbers, tuple[float, float, float]]
     Sizes3: TypeAlias = Vector3
@@ -168,7 +171,7 @@ else:
     Sizes3 = Annotated[tuple[Size, Size, Size], BeforeValidator(listed)]
     UnitVector3 = Annotated[Vector3, AfterValidator(_unit)]
     OptionalVector3 = Vector3 | None
-    Points = Annotated[tuple[Vector3, ...], Field(min_length=1), BeforeValidator(listed)]
+    Points = Annotated[tuple[Vector3, ...], Field(min_length=1, max_length=MOST_POINTS), BeforeValidator(listed)]
     OptionalContactPoints = Annotated[tuple[Vector3, ...], Field(min_length=2), BeforeValidator(listed)] | None
     OrderedInterval = Annotated[Interval, AfterValidator(ordered)]
     """An interval that has a width."""

@@ -60,7 +60,17 @@ def check_task(model: TaskModel) -> list[str]:
         )
     if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
         _jaw_wide_enough(model)
-    return [*mesh_findings(model.scene, model.task), *check_region(model)]
+    return [*mesh_findings(model.scene, model.task), *_center_of_mass_odd(model), *check_region(model)]
+
+
+def _center_of_mass_odd(model: TaskModel) -> list[str]:
+    """Return what is odd about the centre of mass: millimetres that are given for metres, for one."""
+    name, surface = model.task.object, model.surface
+    center = model.scene.objects[name].center_of_mass_object
+    beyond = float(np.linalg.norm(center)) - surface.radius
+    if beyond <= 0.0:
+        return []
+    return [f"the centre of mass of {name!r} is at least {1e3 * beyond:.1f} mm outside of it: in metres, in its frame"]
 
 
 def _no_mesh_in_compound(scene: Scene, task: Task) -> None:
