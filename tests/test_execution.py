@@ -263,10 +263,10 @@ def test_a_start_that_kills_its_worker_is_told_and_no_other_is_lost(
     whole = plan(gen3, glovebox, "sphere", starts=12, workers=1)
     solve = LocalSolver.solve
 
-    def kill(self: LocalSolver, index: int, start: Any) -> Any:
+    def kill(self: LocalSolver, index: int, *start: Any) -> Any:
         if index == 3:
             os.kill(os.getpid(), signal.SIGKILL)
-        return solve(self, index, start)
+        return solve(self, index, *start)
 
     monkeypatch.setattr(LocalSolver, "solve", kill)
     result = plan(gen3, glovebox, "sphere", starts=12, workers=2)
