@@ -17,7 +17,7 @@ from conftest import Run
 
 import pinograsp
 from pinograsp.cli.folders import file_name
-from pinograsp.cli.interrupts import held_interrupts
+from pinograsp.cli.interrupts import held_interrupts, late_interrupts
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
@@ -470,6 +470,18 @@ def test_ctrl_c_within_an_import_is_not_lost(module: str, tmp_path: Path) -> Non
     assert done.returncode == 130, done.stderr
     assert done.stderr == "error: interrupted\n"
     assert list((tmp_path / "out").glob("*")) == []
+
+
+def test_ctrl_c_within_what_llvm_calls_comes_after_it() -> None:
+    """C drops what Python raises there."""
+    file = str(Path("site-packages", "llvmlite", "binding", "executionengine.py"))
+    called = compile("os.kill(os.getpid(), signal.SIGINT); done.append('called')", file, "exec")
+    done: list[str] = []
+    with pytest.raises(KeyboardInterrupt), late_interrupts():
+        exec(called, {"os": os, "signal": signal, "done": done})
+        time.sleep(10.0)
+        done.append("slept")
+    assert done == ["called"]
 
 
 def test_ctrl_c_while_files_are_written_comes_after_them() -> None:

@@ -599,7 +599,7 @@ def test_culling_changes_no_clearance(sphere_task: TaskModel, monkeypatch: pytes
     postures = random_postures(sphere_task.robot, 6, seed=11)
     culled = [clearance(problem, posture) for posture in postures]
     everything = np.arange(len(sphere_task.collisions.pairs))
-    monkeypatch.setattr(collision, "_near", lambda *geometry: everything)
+    monkeypatch.setattr(collision, "near_pairs", lambda *geometry: everything)
     for posture, one in zip(postures, culled, strict=True):
         full = clearance(problem, posture)
         np.testing.assert_allclose(one.values, full.values, atol=1e-12)
