@@ -112,6 +112,7 @@ def vectors_as_they_come(planner: Planner) -> tuple[float, float, float]:
     planner.check("hold", [0.0] * 8)
     pinograsp.HandMount("gripper.urdf", position=[0.0, 0.0, 0.1])
     x, y, z = ball.pose.position
+    assert task.desired_contacts is not None  # they may be left out
     lower: float = task.joint_ranges["joint_1"][0] + task.desired_contacts[0][1]
     print(np.array(task.desired_contacts).shape, lower, x + y + z)
     return ball.pose.position
