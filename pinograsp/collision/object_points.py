@@ -32,7 +32,7 @@ from ..geometry.hulls import FlatError, Hull
 from ..geometry.patches import above, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
-from ..geometry.shapes import Surface
+from ..geometry.shapes import UnevenSurface
 from ..geometry.tessellation import Tessellation, refined
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Pad, Robot
@@ -94,12 +94,12 @@ class ObjectPoints:
     """Least distance wanted of each set, m, shape (sets,)."""
     trees: PointTrees
 
-    def distances(self, configuration: Configuration, surface: Surface, T_world_object: Array) -> Distances:
+    def distances(self, configuration: Configuration, surface: UnevenSurface, T_world_object: Array) -> Distances:
         """Measure the sets that are nearer than `REACH` beyond their least distance.
 
         Args:
             configuration: of the robot.
-            surface: of the object, uneven.
+            surface: of the object.
             T_world_object: pose of the object, shape (4, 4).
         """
         R, origin = T_world_object[:3, :3], T_world_object[:3, 3]

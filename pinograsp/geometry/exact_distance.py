@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any
+
 import igl
 import numpy as np
 
@@ -9,7 +12,7 @@ from ..arrays import Array, Integers, Mask
 
 
 class ExactDistance:
-    """Distances to triangles and their nearest points; a point is inside if the surface goes around it.
+    """Distances to triangles; a point is inside if the surface goes around it. Trees are made when first asked for.
 
     Args:
         vertices: shape (v, 3), m.
@@ -22,10 +25,18 @@ class ExactDistance:
         self.faces = np.ascontiguousarray(faces, dtype=np.int64)
         self.bounding = self.faces if outer is None or outer.all() else self.faces[outer]
         """The faces to which distances are measured, shape (g, 3)."""
-        self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.bounding)
-        self._around = igl.FastWindingNumberBVH()
-        self._around.init(self.vertices, self.faces)
+
+    @cached_property
+    def _tree(self) -> Any:
+        tree = igl.AABB()
+        tree.init(self.vertices, self.bounding)
+        return tree
+
+    @cached_property
+    def _around(self) -> Any:
+        around = igl.FastWindingNumberBVH()
+        around.init(self.vertices, self.faces)
+        return around
 
     def unsigned(self, points: Array) -> Array:
         """Return the distances of points, shape (n, 3), to the surface, m, shape (n,)."""

@@ -13,7 +13,6 @@ from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
-from ..planning.assemble import claim_of, exact, grasp_of
 from ..problem import DesiredPoints, State, TaskModel
 from ..problem.proposals import Candidate
 from ..results import Grasp
@@ -21,6 +20,7 @@ from ..solve.local import Solution
 from ..verification import Certificate
 from ..verification.check import Verifier
 from ..verification.robot import read_robot
+from .assemble import claim_of, exact, grasp_of
 
 TRIED = 3
 """Pairs of contacts that are proposed to a start, one after the other."""

@@ -18,6 +18,7 @@ All but the last holds wherever the object stands.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
@@ -31,7 +32,7 @@ from ..frozen import Record
 from ..geometry.antipodal import Pairs, opposite_points
 from ..geometry.contact_faces import edge_distance
 from ..geometry.patches import half_sides
-from ..geometry.shapes import surface_of
+from ..geometry.shapes import Surface, surface_of
 from ..kinematics.reach import arm_reach
 from .desired import DesiredPoints
 from .pair_holds import TURNS, HoldFinder, Holds
@@ -122,8 +123,10 @@ class Proposals:
         Raises:
             TaskError: there is none.
         """
+        bodies = model.scene.bodies_besides(model.task).values()
+        others = [(surface_of(body.shape), body.pose.matrix) for body in bodies]
         for roomy in (True, False):
-            there = (c for c in self.candidates if c.roomy == roomy and _can_be_got_at(model, c))
+            there = (c for c in self.candidates if c.roomy == roomy and _can_be_got_at(model, c, others))
             if free := tuple(islice(there, most)):
                 return free
         raise TaskError(
@@ -231,8 +234,14 @@ class _Reason(NamedTuple):
     remedy: str
 
 
-def _can_be_got_at(model: TaskModel, candidate: Candidate) -> bool:
-    """Whether nothing is in the way of one of the ways to hold a candidate where the object stands."""
+def _can_be_got_at(model: TaskModel, candidate: Candidate, others: Sequence[tuple[Surface, Array]]) -> bool:
+    """Whether nothing is in the way of one of the ways to hold a candidate where the object stands.
+
+    Args:
+        model: the task.
+        candidate: the pair.
+        others: surfaces of the bodies that may be in the way, with their poses, shape (4, 4).
+    """
     R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
     base, reach = arm_reach(model.robot)
     if np.linalg.norm(candidate.pair.points @ R.T + origin - base, axis=1).max() > reach:
@@ -244,10 +253,9 @@ def _can_be_got_at(model: TaskModel, candidate: Candidate) -> bool:
     if model.approach is not None:
         beyond = min(model.approach.half_angle + math.pi / TURNS, math.pi)
         free &= candidate.holds.approaches @ R.T @ model.approach.axis >= math.cos(beyond)
-    for body in model.scene.bodies_besides(model.task).values() if free.any() else ():
-        T = body.pose.matrix
+    for surface, T in others if free.any() else ():
         local = (probes.reshape(-1, 3) - T[:3, 3]) @ T[:3, :3]
-        free &= surface_of(body.shape).exact_distances(local).reshape(len(probes), -1).min(axis=1) > 0.0
+        free &= surface.exact_distances(local).reshape(len(probes), -1).min(axis=1) > 0.0
     return bool(free.any())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
 from ..geometry.contact_faces import ContactFace, Flat, placed
 from ..geometry.regions import membership
-from ..geometry.shapes import surface_of
+from ..geometry.shapes import UnevenSurface, surface_of
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from ..mechanics import ContactModels, ForceLimits, Hand, Load
@@ -97,7 +98,7 @@ class TaskModel:
 
     def object_distances(self, points: ObjectPoints, configuration: Configuration) -> Distances:
         """Return the distances of sets of points to the object, which is uneven."""
-        return points.distances(configuration, self.surface, self.T_world_object)
+        return points.distances(configuration, cast(UnevenSurface, self.surface), self.T_world_object)
 
     def touched_parts(self, points: Array) -> Indices:
         """Return the part of the object that each world point is nearest to; 0 but of a compound."""

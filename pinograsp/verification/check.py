@@ -153,7 +153,11 @@ class Verifier:
 
     def _normals(self, points: Array, pads: Pads) -> Array:
         """Return the normals of the contacts, into the object, world, shape (contacts, 3)."""
-        return _known(np.array([self._target.inward(point) for point in points]), points, pads)
+        return _known(self._inward(points), points, pads)
+
+    def _inward(self, points: Array) -> Array:
+        """Return the inward normals of the object at contacts, world, shape (contacts, 3); nan where it has none."""
+        return np.array([self._target.inward(point) for point in points])
 
     def _pad_rates(self, poses: Poses) -> list[Array]:
         """Return, of each pad's link, the twist about the world's origin per unit of each synergy, (synergies, 6)."""
@@ -168,11 +172,12 @@ class Verifier:
         self._require_complete(claim)
         poses = self._kinematics.poses(claim.joints)
         pads = Pads.at(self._pads, poses)
+        inward = self._inward(claim.points)
         return Derived(
-            normals=-np.array([self._target.inward(point) for point in claim.points]),
+            normals=-inward,
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, self._normals(claim.points, pads), self._pads, self._task),
+            V=force_cost(claim, _known(inward, claim.points, pads), self._pads, self._task),
             T_world_pads=pads.poses,
             joint_order=self._kinematics.joint_order,
         )
@@ -268,7 +273,7 @@ class Verifier:
 
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
         pads = Pads.at(self._pads, poses)
-        inward = np.array([self._target.inward(point) for point in claim.points])
+        inward = self._inward(claim.points)
         normals = _known(inward, claim.points, pads)
         return [
             *contact_figures(claim.points, inward, pads, self._target),

@@ -56,28 +56,6 @@ class Surface(Protocol):
         """Return the outward unit normals (n, 3) that a pad feels at points (n, 3), and their derivatives (n, 3, 3)."""
         ...
 
-    def nearest_points(
-        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
-    ) -> tuple[Array, Array]:
-        """Return the least signed distance of sets of points, or their cap, and the point there; of an uneven surface.
-
-        Args:
-            sets: points that are fixed to bodies.
-            rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
-            translations: of these, m, shape (bodies, 3).
-            caps: distances of each set from which on they do not matter, m, shape (sets,).
-        """
-        ...
-
-    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
-        """Return how deep an uneven surface is in a convex solid, negative, m, its point there, and the facet.
-
-        Args:
-            normals: outward unit normals of the solid's facets in the surface's frame, shape (k, 3).
-            offsets: normal . p on the facets, m, shape (k,).
-        """
-        ...
-
     def exact_distances(self, points: Array) -> Array:
         """Return the signed distances (n,) of points (n, 3) as exactly as they can be had, slowly."""
         ...
@@ -104,6 +82,32 @@ class Surface(Protocol):
 
     def tessellation(self) -> Tessellation:
         """Return triangles whose corners lie on the surface, fine enough to be drawn."""
+        ...
+
+
+class UnevenSurface(Surface, Protocol):
+    """A surface whose `uneven` is true: links are kept off it by points, since Coal does not measure it."""
+
+    def nearest_points(
+        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+    ) -> tuple[Array, Array]:
+        """Return the least signed distance of sets of points, or their cap, and the point there.
+
+        Args:
+            sets: points that are fixed to bodies.
+            rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
+            translations: of these, m, shape (bodies, 3).
+            caps: distances of each set from which on they do not matter, m, shape (sets,).
+        """
+        ...
+
+    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
+        """Return how deep the surface is in a convex solid, negative, m, its point there, and the facet.
+
+        Args:
+            normals: outward unit normals of the solid's facets in the surface's frame, shape (k, 3).
+            offsets: normal . p on the facets, m, shape (k,).
+        """
         ...
 
 

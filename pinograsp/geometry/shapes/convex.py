@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array, Indices
-from ..point_trees import PointTrees
 
 
 class Exact:
@@ -22,16 +21,6 @@ class Exact:
         """Return gradient and Hessian of the distance."""
         _, normals, hessians = self.signed_distance(points)
         return normals, hessians
-
-    def nearest_points(
-        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
-    ) -> tuple[Array, Array]:
-        """Coal measures such shapes."""
-        raise NotImplementedError
-
-    def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
-        """Coal measures such shapes."""
-        raise NotImplementedError
 
     def radius_about(self, point: Array | tuple[float, float, float]) -> float:
         """Return that of the ball around the origin, and the way from there."""

@@ -55,20 +55,16 @@ class BodySurface:
         return ExactDistance(self._vertices, self._faces, self._outer)
 
     @cached_property
-    def _hull(self) -> Hull:
-        return Hull(self._vertices)
-
-    @cached_property
     def least_width(self) -> float:
         """That of the convex hull, between a facet and what is opposite; 0 of a body that is not convex, m.
 
         Parts of such a body, a handle or a rim, may be narrower than its hull.
         """
         a, b, c = self._vertices[self._faces].transpose(1, 0, 2)
-        volume = float((a * np.cross(b, c)).sum()) / 6.0
-        if volume < CONVEX * self._hull.volume:
+        volume, hull = float((a * np.cross(b, c)).sum()) / 6.0, Hull(self._vertices)
+        if volume < CONVEX * hull.volume:
             return 0.0
-        heights = self._hull.vertices @ self._hull.normals.T
+        heights = hull.vertices @ hull.normals.T
         return float(np.ptp(heights, axis=0).min())
 
     def signed_distance(self, points: Array) -> tuple[Array, Array, Array]:
