@@ -97,7 +97,7 @@ def _draw(visualizer: Visualizer, pairs: Sequence[ContactPair], scene: Scene, na
 def _row(number: int, pair: ContactPair) -> str:
     points = "; ".join(", ".join(f"{1e3 * x:z.1f}" for x in point) for point in pair.points)
     swatch = f'<span style="color: {colors.css(_color(number))}">&#9632;</span>'
-    return f"<tr><td>{swatch} {number + 1}</td><td>{1e3 * pair.width:.1f}</td><td>{points}</td></tr>"
+    return f"<tr><td>{swatch}&nbsp;{number + 1}</td><td>{1e3 * pair.width:.1f}</td><td>{points}</td></tr>"
 
 
 def _color(number: int) -> int:
