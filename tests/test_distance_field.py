@@ -16,7 +16,7 @@ from pinograsp.disk import cache_folder
 from pinograsp.geometry.distance_field import DistanceField, distance_field, footprint_sigma
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_cache import mesh_field
-from pinograsp.geometry.field_kernels import AROUND, distance_below, field_distances, field_normals, nearest_points
+from pinograsp.geometry.field_kernels import LOOSE, field_distances, field_normals, nearest_points
 from pinograsp.geometry.hulls import Hull
 from pinograsp.geometry.point_trees import deepest_point, point_trees
 
@@ -99,9 +99,6 @@ def test_distances_far_away_are_bounded() -> None:
     )
     true = exact.unsigned(points)
     assert (field_distances(field, points)[0] >= true - 1e-3).all()
-    bounds = np.array([distance_below(field, *point, np.inf) for point in points.tolist()])
-    assert (bounds <= true + 1e-9).all()
-    assert (bounds >= AROUND).all()
 
 
 def test_normals_of_a_ball_and_of_a_cylinder_are_those_of_the_shape() -> None:
@@ -171,7 +168,7 @@ def test_fields_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("name", THINGS)
 def test_the_nearest_of_many_points_is_found(name: str) -> None:
-    """As if every point were asked, for bodies near and far, apart and in each other."""
+    """As if every point were asked, for bodies near and far, apart and in each other: the nearer, the more exactly."""
     mesh, _, field = thing(name)
     rng = np.random.default_rng(0)
     sets = [
@@ -182,10 +179,12 @@ def test_the_nearest_of_many_points_is_found(name: str) -> None:
     for _ in range(20):
         translations = mesh.centroid + rng.normal(scale=0.06, size=(len(sets), 3))
         caps = np.array([0.05, 0.09, 0.02, 0.03])
-        values, nearest = nearest_points(trees, field, rotations, translations, caps)
+        least = rng.uniform(-0.01, 0.01, len(sets))
+        values, nearest = nearest_points(trees, field, rotations, translations, least, caps)
         for i, points in enumerate(sets):
             distances = field_distances(field, points @ rotations[i].T + translations[i])[0]
-            assert values[i] == pytest.approx(min(distances.min(), caps[i]), abs=1e-9)
+            true = min(distances.min(), caps[i])
+            assert true - 1e-9 < values[i] < true + LOOSE * abs(values[i] - least[i]) + 1e-9
             if values[i] < caps[i]:
                 assert field_distances(field, nearest[i][None])[0][0] == pytest.approx(values[i], abs=1e-12)
 

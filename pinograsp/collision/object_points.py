@@ -1,11 +1,11 @@
 """Distances of links to an object that is no union of convex solids: of points all over the links, with gradients.
 
-The surface of every convex solid of a link is divided into triangles with no edge longer than `spacing`; their corners
-are the points. Let m be the distance that is to be kept, and q the point of the solid that is nearest to the object,
-with o the point there. The way from q to o is perpendicular to what q lies on, a facet, an edge or a corner, and one of
-the points, p, lies on that at most spacing / sqrt(3) from q. So |p - o|^2 = |p - q|^2 + |q - o|^2, and
+Every convex solid of a link has points all over it, of which one is at most a certain way, `apart`, from every point of
+it, on the same facet, edge or corner (`geometry.hull_points`). Let m be the distance that is to be kept, and q the
+point of the solid that is nearest to the object, with o the point there and p such a point. The way from q to o is
+perpendicular to that from q to p. So |p - o|^2 = |p - q|^2 + |q - o|^2, and
 
-    distance of all points >= sqrt(m^2 + spacing^2 / 3)    gives    |q - o| >= m:
+    distance of all points >= sqrt(m^2 + apart^2)    gives    |q - o| >= m:
 
 links are kept off the object, and whatever sticks out of the object is kept out of the links.
 
@@ -28,12 +28,12 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Mask
-from ..geometry.hulls import FlatError, Hull
+from ..geometry.hull_points import hull_points, simplified
+from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
 from ..geometry.shapes import UnevenSurface
-from ..geometry.tessellation import Tessellation, refined
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Pad, Robot
 from ..memo import remembered
@@ -42,14 +42,13 @@ from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies
 from .world import Solid
 
-SPACING, COARSE = 0.0015, 0.006
-"""Longest edge between points of links that the hand moves or that carry it, and of the other links, m."""
-BACKING = 0.002
-"""Longest edge between points of what is behind a pad, m."""
+APART, FAR_APART = 0.001, 0.004
+"""How far points of a solid may be from the nearest of its points: of links that the hand moves or that carry it, and
+of the other links, m."""
 RUBBER, BACKED = 2.0, 0.0002
 """Thickness of rubber, in parts of the depth by which it yields, and what its backing keeps from the object, m."""
-ROUNDED = 1.0 / 3.0
-"""Vertices of a solid that are nearer to each other than about this count as one, in parts of the points' spacing."""
+ROUNDED = 0.1
+"""How far vertices of a solid may stand out of the hull that has the points, in parts of how far these are apart."""
 HIDDEN = 1e-5
 """How deep in another solid of its link a point must be to be left out, m."""
 PAD_SPACING = 0.002
@@ -77,9 +76,9 @@ class PointSet(NamedTuple):
     yields: bool
     """Whether they belong to the rubber of these pads."""
     apart: float
-    """Largest distance of a point of a facet from the nearest of them, m."""
+    """Largest distance of a point of their hull from the nearest of them, m."""
     within: float
-    """How far they may be within the solid, m."""
+    """How far the solid may stand out of their hull, m."""
     hull: Facets | None = None
     """Of a convex solid that keeps off the object."""
 
@@ -106,7 +105,7 @@ class ObjectPoints:
         rotations = R.T @ configuration.rotations
         translations = (configuration.translations - origin) @ R
         caps = self.least + REACH
-        values, points = surface.nearest_points(self.trees, rotations, translations, caps)
+        values, points = surface.nearest_points(self.trees, rotations, translations, self.least, caps)
         indices = np.flatnonzero(values < caps)
         local = surface.signed_distance(points[indices])[1]
         for row, index in enumerate(indices.tolist()):
@@ -177,13 +176,12 @@ def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
             near = _near_the_hand(robot, body.joint)
             for number, solid in enumerate(body.solids):
                 behind = pads_before(padded, PlacedSolid(number, body, solid))
-                spacing = BACKING if behind else SPACING if near else COARSE
-                points, within = _on_solid(robot, body.name, number, spacing)
+                apart = APART if near else FAR_APART
+                points, within = _on_solid(robot, body.name, number, apart)
                 rubber = _in_rubber(padded, behind, points)
                 for yields in (True, False):
                     some = points[rubber == yields]
                     if len(some):
-                        apart = spacing / math.sqrt(3.0)
                         facets = None if behind else _facets(solid, _hulls(robot, body.name)[number])
                         sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within, facets))
     return sets
@@ -205,13 +203,13 @@ def _near_the_hand(robot: Robot, joint: int) -> bool:
 
 
 @remembered
-def _on_solid(robot: Robot, link: str, number: int, spacing: float) -> tuple[Array, float]:
-    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far they may be within it, m.
+def _on_solid(robot: Robot, link: str, number: int, apart: float) -> tuple[Array, float]:
+    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far it may stand out of their hull, m.
 
     Those within another solid of the link are left out: that one has points farther out.
     """
     [body] = [body for body in link_bodies(robot) if body.name == link]
-    points, within = _on(body.solids[number], spacing)
+    points, within = _on(body.solids[number], apart)
     for i, (solid, hull) in enumerate(zip(body.solids, _hulls(robot, link), strict=True)):
         if i != number and hull is not None:
             R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
@@ -234,31 +232,16 @@ def _hulls(robot: Robot, link: str) -> list[Hull | None]:
     return [Hull(np.array(shape.points())) if isinstance(shape, coal.ConvexBase) else None for shape in shapes]
 
 
-def _on(solid: Solid, spacing: float) -> tuple[Array, float]:
-    shape, within = solid.shape, 0.0
+def _on(solid: Solid, apart: float) -> tuple[Array, float]:
+    shape = solid.shape
     if isinstance(shape, coal.Sphere):
-        corners = primitive_triangles("sphere", (shape.radius,))
+        corners = primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
     elif isinstance(shape, coal.Cylinder):
-        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength))
+        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
     else:
-        corners, within = _simplified(np.array(shape.points()), ROUNDED * spacing)
-    triangles = np.arange(3 * len(corners)).reshape(-1, 3)
-    points = refined(Tessellation(corners.reshape(-1, 3), triangles), spacing).vertices
-    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
-
-
-def _simplified(vertices: Array, cell: float) -> tuple[Array, float]:
-    """Return the facets of a hull of fewer of its vertices, shape (n, 3, 3), and how far others stand out of it, m.
-
-    Of vertices in one cubic cell of an edge, m, one is left: the narrow facets between them would have more points than
-    all others.
-    """
-    _, kept = np.unique(np.floor(vertices / cell), axis=0, return_index=True)
-    try:
-        hull = Hull(vertices[kept])
-    except FlatError:
-        return Hull(vertices).triangles, 0.0
-    return hull.triangles, max(0.0, float(hull.outside(vertices).max()))
+        corners = np.array(shape.points())
+    hull, within = simplified(corners, ROUNDED * apart)
+    return hull_points(hull, apart) @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
 
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:

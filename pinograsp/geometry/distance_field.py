@@ -34,7 +34,7 @@ from .field_kernels import AROUND, coarse_values
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 5
+VERSION = 7
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -45,8 +45,22 @@ MARGIN = 8
 FINEST, MOST_NODES = 0.0005, 3_500_000
 """Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
 COARSE_NODES = 60_000
+ROUGH, SAFELY = 0.1, 1.5
+"""How far the fine spline may lie below the distance, in its spacings; errors of the coarse one, in parts of the largest
+that is found at nodes."""
 _TRUNCATED = 3.0
 """Standard deviations where the Gaussian ends."""
+
+
+class Bounds(NamedTuple):
+    """Lower bounds of the distance at every second node of the fine lattice."""
+
+    values: NDArray[np.float32]
+    """m, shape (nx, ny, nz)."""
+    origin: Array
+    """Of the first node, m, shape (3,)."""
+    spacing: float
+    """m."""
 
 
 class DistanceField(NamedTuple):
@@ -55,8 +69,9 @@ class DistanceField(NamedTuple):
     distance: Lattice
     smoothed: Lattice
     coarse: Lattice
+    bounds: Bounds
     error: float
-    """Largest difference of the coarse lattice from the distance at the fine nodes near the surface, m."""
+    """How far the coarse lattice may lie above the distance outside the body, m, but next to its surface."""
 
 
 def footprint_sigma(exact: ExactDistance) -> float:
@@ -94,13 +109,19 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
     signs = _signs(exact, distances.reshape(counts), origin, h)
     exactly = signs.ravel()[near] * distances[near]
-    error = float(np.abs(values.ravel()[near] - exactly).max())
+    beyond = values.ravel()[near] - exactly
+    outside = values.ravel()[near] > EXACT * h
+    errors = [SAFELY * max(0.0, float(part.max(initial=0.0))) for part in (beyond[outside], beyond[~outside])]
     share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     flat = values.ravel()
     flat[near] = share * flat[near] + (1.0 - share) * exactly
     smooth = gaussian_filter(values, sigma / h, truncate=_TRUNCATED)
-    return DistanceField(lattice_of(values, origin, h), lattice_of(smooth, origin, h), coarse, error)
+    distance = lattice_of(values, origin, h)
+    flat -= np.where(flat > 0.0, *errors)
+    flat[near] = exactly - ROUGH * h
+    bounds = Bounds(values[::2, ::2, ::2].astype(np.float32), origin, 2.0 * h)
+    return DistanceField(distance, lattice_of(smooth, origin, h), coarse, bounds, errors[0])
 
 
 def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:

@@ -14,12 +14,14 @@ from ..arrays import Array
 from ..compiled import compiled
 
 if TYPE_CHECKING:
-    from .distance_field import DistanceField
+    from .distance_field import Bounds, DistanceField
     from .lattice import Lattice
     from .point_trees import PointTrees
 
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
+LOOSE = 0.1
+"""Part of the difference of a distance from the one that is wanted by which it may be too large: exact where it counts."""
 _DEPTH = 64
 
 
@@ -73,13 +75,14 @@ def _bends(t: float) -> tuple[float, float, float, float]:
 def _value_at(lattice: Lattice, x: float, y: float, z: float) -> float:
     """Return the value at a point that the lattice covers."""
     (i, t), (j, u), (k, v) = _cell(lattice, 0, x), _cell(lattice, 1, y), _cell(lattice, 2, z)
-    a, b, c = _weights(t), _weights(u), _weights(v)
+    a, b, c, nodes = _weights(t), _weights(u), _weights(v), lattice.coefficients
     total = 0.0
     for p in range(4):
         plane = 0.0
         for q in range(4):
-            row = lattice.coefficients[i + p, j + q, k : k + 4]
-            plane += b[q] * (c[0] * row[0] + c[1] * row[1] + c[2] * row[2] + c[3] * row[3])
+            m, n = i + p, j + q
+            row = c[0] * nodes[m, n, k] + c[1] * nodes[m, n, k + 1] + c[2] * nodes[m, n, k + 2] + c[3] * nodes[m, n, k + 3]
+            plane += b[q] * row
         total += a[p] * plane
     return total
 
@@ -135,17 +138,25 @@ def coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, i
 
 
 @compiled
-def distance_below(field: DistanceField, x: float, y: float, z: float, most: float) -> float:
-    """Return the signed distance of a point if it is less than `most`, else a lower bound of it that is no less, m.
+def _bound_at(known: Bounds, x: float, y: float, z: float) -> float:
+    """Return a lower bound of the distance of a point, m, at the price of one number that is read; far away, NaN.
 
-    Of most points the coarse lattice tells that, which is small enough to stay in the processor's cache.
+    The distance grows by no more than the way: at a point it is no less than at a node, less the way from there.
     """
-    if not _covers(field.coarse, x, y, z):
-        return AROUND + _distance_beyond(field.coarse, x, y, z)
-    value = _value_at(field.coarse, x, y, z)
-    if value - field.error >= most:
-        return value - field.error
-    return _value_at(field.distance, x, y, z) if _covers(field.distance, x, y, z) else value
+    once, counts = 1.0 / known.spacing, known.values.shape
+    u, v, w = (x - known.origin[0]) * once, (y - known.origin[1]) * once, (z - known.origin[2]) * once
+    i, j, k = int(u + 0.5), int(v + 0.5), int(w + 0.5)
+    if u < -0.5 or v < -0.5 or w < -0.5 or i >= counts[0] or j >= counts[1] or k >= counts[2]:
+        return math.nan
+    return known.values[i, j, k] - known.spacing * math.sqrt((u - i) ** 2 + (v - j) ** 2 + (w - k) ** 2)
+
+
+@compiled
+def _bound_far_away(coarse: Lattice, error: float, x: float, y: float, z: float) -> float:
+    """Return a lower bound of the distance of a point that is outside the body and not near its surface, m."""
+    if _covers(coarse, x, y, z):
+        return _value_at(coarse, x, y, z) - error
+    return AROUND + _distance_beyond(coarse, x, y, z)
 
 
 @compiled
@@ -205,42 +216,53 @@ def field_normals(field: DistanceField, points: Array) -> tuple[Array, Array]:
 
 @compiled
 def nearest_points(
-    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, caps: Array
+    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, least: Array, caps: Array
 ) -> tuple[Array, Array]:
     """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
+
+    It may be too large by up to `LOOSE` of its difference from the least distance that is wanted.
 
     Args:
         trees: the sets.
         field: of the surface.
         rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
         translations: of these, m, shape (bodies, 3).
+        least: distances of each set that are wanted, m, shape (sets,).
         caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
     """
     values, nearest = caps.copy(), np.zeros((len(caps), 3))
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
+    known, fine, coarse, error = field.bounds, field.distance, field.coarse, field.error  # all of it is slow to hand on
     for number in range(len(caps)):
         R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
         waiting[0], bounds[0] = trees.roots[number], -np.inf
         count = 1
         while count:
             count -= 1
-            if bounds[count] >= values[number]:
+            if bounds[count] >= values[number] - LOOSE * abs(values[number] - least[number]):
                 continue
-            first, second = trees.parts[waiting[count]]
+            first, second = trees.parts[waiting[count], 0], trees.parts[waiting[count], 1]
             if second < 0:
                 for k in range(first, first - 1 - second):
                     x, y, z = _moved(R, t, trees.points[k])
-                    value = distance_below(field, x, y, z, values[number])
+                    bound = _bound_at(known, x, y, z)
+                    if bound >= values[number] or not _covers(coarse, x, y, z):
+                        continue
+                    value = _value_at(fine if _covers(fine, x, y, z) else coarse, x, y, z)
                     if value < values[number]:
                         values[number] = value
                         nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
                 continue
             x, y, z = _moved(R, t, trees.centers[first])
-            radius = trees.radii[first]
-            one = distance_below(field, x, y, z, values[number] + radius) - radius
+            one = _bound_at(known, x, y, z)
+            if math.isnan(one):
+                one = _bound_far_away(coarse, error, x, y, z)
+            one -= trees.radii[first]
             x, y, z = _moved(R, t, trees.centers[second])
-            radius = trees.radii[second]
-            other = distance_below(field, x, y, z, values[number] + radius) - radius
+            other = _bound_at(known, x, y, z)
+            if math.isnan(other):
+                other = _bound_far_away(coarse, error, x, y, z)
+            other -= trees.radii[second]
             if one < other:  # the nearer one is taken first: it comes last
                 first, second, one, other = second, first, other, one
             waiting[count], bounds[count] = first, one

@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..compiled import compiled
 
-LEAF = 16
+LEAF = 6
 """Points of a ball that is not divided any more, at most."""
 _DEPTH = 64
 
@@ -82,24 +82,27 @@ def deepest_point(trees: PointTrees, normals: Array, offsets: Array) -> tuple[fl
         normals: outward unit normals of the facets in the frame of the set, shape (k, 3).
         offsets: normal . p on the facets, m, shape (k,).
     """
-    least, nearest, facet = np.inf, np.zeros(3), 0
+    least, nearest, facet, last = np.inf, np.zeros(3), 0, 0
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
     waiting[0], bounds[0] = trees.roots[0], -np.inf
+    parts, points, centers, radii = trees.parts, trees.points, trees.centers, trees.radii
     count = 1
     while count:
         count -= 1
         if bounds[count] >= least:
             continue
-        first, second = trees.parts[waiting[count]]
+        first, second = parts[waiting[count], 0], parts[waiting[count], 1]
         if second < 0:
             for k in range(first, first - 1 - second):
-                value, which = _outside(normals, offsets, trees.points[k])
+                value, last = _outside(normals, offsets, points[k], least, last)
                 if value < least:
-                    least, facet = value, which
-                    nearest[:] = trees.points[k]
+                    least, facet = value, last
+                    nearest[:] = points[k]
             continue
-        one = _outside(normals, offsets, trees.centers[first])[0] - trees.radii[first]
-        other = _outside(normals, offsets, trees.centers[second])[0] - trees.radii[second]
+        one, last = _outside(normals, offsets, centers[first], least + radii[first], last)
+        other, last = _outside(normals, offsets, centers[second], least + radii[second], last)
+        one -= radii[first]
+        other -= radii[second]
         if one < other:
             first, second, one, other = second, first, other, one
         waiting[count], bounds[count] = first, one
@@ -109,13 +112,17 @@ def deepest_point(trees: PointTrees, normals: Array, offsets: Array) -> tuple[fl
 
 
 @compiled
-def _outside(normals: Array, offsets: Array, point: Array) -> tuple[float, int]:
-    """Return how far a point is beyond the facet that it is farthest beyond, m, and which that is."""
-    most, facet = -np.inf, 0
-    for k in range(len(offsets)):
-        beyond = -offsets[k]
-        for axis in range(3):
-            beyond += normals[k, axis] * point[axis]
+def _outside(normals: Array, offsets: Array, point: Array, enough: float, likely: int) -> tuple[float, int]:
+    """Return how far a point is beyond the facet that it is farthest beyond, m, and which that is.
+
+    The facet that is likely is asked first; as soon as one is found beyond which it is far enough, others are not.
+    """
+    most, facet, x, y, z = -np.inf, likely, point[0], point[1], point[2]
+    for k in range(-1, len(offsets)):
+        which = likely if k < 0 else k
+        beyond = normals[which, 0] * x + normals[which, 1] * y + normals[which, 2] * z - offsets[which]
         if beyond > most:
-            most, facet = beyond, k
+            most, facet = beyond, which
+            if most >= enough:
+                break
     return most, facet

@@ -89,14 +89,17 @@ class UnevenSurface(Surface, Protocol):
     """A surface whose `uneven` is true: links are kept off it by points, since Coal does not measure it."""
 
     def nearest_points(
-        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+        self, sets: PointTrees, rotations: Array, translations: Array, least: Array, caps: Array
     ) -> tuple[Array, Array]:
         """Return the least signed distance of sets of points, or their cap, and the point there.
+
+        It may be too large by a tenth of its difference from the least distance that is wanted.
 
         Args:
             sets: points that are fixed to bodies.
             rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
             translations: of these, m, shape (bodies, 3).
+            least: distances of each set that are wanted, m, shape (sets,).
             caps: distances of each set from which on they do not matter, m, shape (sets,).
         """
         ...

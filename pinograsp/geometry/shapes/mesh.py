@@ -76,10 +76,10 @@ class BodySurface:
         return field_normals(self.field, points)
 
     def nearest_points(
-        self, sets: PointTrees, rotations: Array, translations: Array, caps: Array
+        self, sets: PointTrees, rotations: Array, translations: Array, least: Array, caps: Array
     ) -> tuple[Array, Array]:
         """Return the least signed distance of sets of points, or their cap, and the point there."""
-        return nearest_points(sets, self.field, rotations, translations, caps)
+        return nearest_points(sets, self.field, rotations, translations, least, caps)
 
     def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
         """Return how deep the surface is in a convex solid, the point there of those `SPACING` apart, and the facet."""
