@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -100,9 +99,15 @@ class LocalSolver:
         """Yield problems with points to solve from: the first guess for all desired points, then the second ones."""
         assignments = [nearest_assignment(self._model, start, points) for points in desired]
         problems = [self.problem(*pair) for pair in zip(assignments, desired, strict=True)]
-        ways = [initial_guesses(problem, start.x, self._options.projection) for problem in problems]
-        for turn in itertools.zip_longest(*(zip(itertools.repeat(p), w) for p, w in zip(problems, ways, strict=True))):
-            yield from (guess for guess in turn if guess is not None)
+        ways = [(problem, initial_guesses(problem, start.x, self._options.projection)) for problem in problems]
+        while ways:  # each guess is made when it is asked for
+            for way in list(ways):
+                problem, guesses = way
+                guess = next(guesses, None)
+                if guess is None:
+                    ways.remove(way)
+                else:
+                    yield problem, guess
 
 
 def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:
