@@ -34,7 +34,7 @@ from .field_kernels import AROUND, coarse_values
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 7
+VERSION = 6
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -45,9 +45,10 @@ MARGIN = 8
 FINEST, MOST_NODES = 0.0005, 3_500_000
 """Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
 COARSE_NODES = 60_000
-ROUGH, SAFELY = 0.1, 1.5
-"""How far the fine spline may lie below the distance, in its spacings; errors of the coarse one, in parts of the largest
-that is found at nodes."""
+ROUGH = 0.1
+"""How far the fine spline may lie below the distance, in its spacings."""
+SAFELY = 1.5
+"""How far the coarse spline may lie above the distance, in parts of the most that is found at nodes."""
 _TRUNCATED = 3.0
 """Standard deviations where the Gaussian ends."""
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
 LOOSE = 0.1
-"""Part of the difference of a distance from the one that is wanted by which it may be too large: exact where it counts."""
+"""Part of its difference from the distance that is wanted by which one may be too large: exact where it counts."""
 _DEPTH = 64
 
 
@@ -75,13 +75,13 @@ def _bends(t: float) -> tuple[float, float, float, float]:
 def _value_at(lattice: Lattice, x: float, y: float, z: float) -> float:
     """Return the value at a point that the lattice covers."""
     (i, t), (j, u), (k, v) = _cell(lattice, 0, x), _cell(lattice, 1, y), _cell(lattice, 2, z)
-    a, b, c, nodes = _weights(t), _weights(u), _weights(v), lattice.coefficients
+    a, b, (c0, c1, c2, c3), nodes = _weights(t), _weights(u), _weights(v), lattice.coefficients
     total = 0.0
     for p in range(4):
         plane = 0.0
         for q in range(4):
             m, n = i + p, j + q
-            row = c[0] * nodes[m, n, k] + c[1] * nodes[m, n, k + 1] + c[2] * nodes[m, n, k + 2] + c[3] * nodes[m, n, k + 3]
+            row = c0 * nodes[m, n, k] + c1 * nodes[m, n, k + 1] + c2 * nodes[m, n, k + 2] + c3 * nodes[m, n, k + 3]
             plane += b[q] * row
         total += a[p] * plane
     return total
@@ -148,7 +148,7 @@ def _bound_at(known: Bounds, x: float, y: float, z: float) -> float:
     i, j, k = int(u + 0.5), int(v + 0.5), int(w + 0.5)
     if u < -0.5 or v < -0.5 or w < -0.5 or i >= counts[0] or j >= counts[1] or k >= counts[2]:
         return math.nan
-    return known.values[i, j, k] - known.spacing * math.sqrt((u - i) ** 2 + (v - j) ** 2 + (w - k) ** 2)
+    return float(known.values[i, j, k]) - known.spacing * math.sqrt((u - i) ** 2 + (v - j) ** 2 + (w - k) ** 2)
 
 
 @compiled

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Indices, Mask
 from .hulls import FlatError, Hull
 
 _SAME_PLANE = 1e-5
@@ -108,12 +108,13 @@ def _moved_in(nodes: Array, flat: Array, apart: float) -> Array:
     """
     edges = np.roll(flat, -1, axis=0) - flat
     away = nodes[:, None] - flat
-    outside = (edges[:, 1] * away[:, :, 0] - edges[:, 0] * away[:, :, 1] > 0.0).any(axis=1)
+    outside: Mask = (edges[:, 1] * away[:, :, 0] - edges[:, 0] * away[:, :, 1] > 0.0).any(axis=1)
     share = np.clip((away * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
     on_rim = flat + share[:, :, None] * edges
     distances = np.linalg.norm(nodes[:, None] - on_rim, axis=2)
     nearest = on_rim[np.arange(len(nodes)), distances.argmin(axis=1)]
-    return np.where(outside[:, None], nearest, nodes)[~outside | (distances.min(axis=1) <= apart)]
+    kept = np.logical_or(~outside, distances.min(axis=1) <= apart)
+    return np.asarray(np.where(outside[:, None], nearest, nodes)[kept])
 
 
 def _on_edges(ends: Array, apart: float) -> list[Array]:

@@ -23,6 +23,8 @@ DONE = 1e-5
 """Norm of the scaled residual below which a descent is done: 0.1 micrometre."""
 STALLED = 0.05
 """A descent ends after two steps that each lessen the squared residual by less than this part."""
+HOPELESS = 10
+"""The last descent ends after so many trials in a row that have not lessened it by that part, all in all."""
 INITIAL_DAMPING = 40.0
 LEAST_DAMPING = 1e-9
 """With less, where variables move nothing, a step has no solution in floating-point numbers."""
@@ -83,10 +85,11 @@ def _descend(
     damping = INITIAL_DAMPING
     residual = problem.projection_residual(x, targets, clearances)
     square = float(residual.values @ residual.values)
-    slow = 0
+    slow, reached, since = 0, square, 0
     for _ in range(MAX_STEPS):
-        if square < DONE**2 or slow == 2:
+        if square < DONE**2 or slow == 2 or since == HOPELESS:
             break
+        since += 1
         step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(problem, x))
         trial_x = np.clip(x + unit * step, problem.lower, problem.upper)
         trial = problem.projection_residual(trial_x, targets, clearances)
@@ -95,6 +98,8 @@ def _descend(
             slow = slow + 1 if trial_square > (1.0 - stalled) * square else 0
             x, residual, square = trial_x, trial, trial_square
             damping = max(0.2 * damping, LEAST_DAMPING)
+            if square < (1.0 - STALLED) * reached:
+                reached, since = square, 0
         else:
             damping *= 4.0
     return x
