@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Indices, Mask
+from ..arrays import Array, Indices
 from .hulls import FlatError, Hull
 
 _SAME_PLANE = 1e-5
@@ -82,7 +82,7 @@ def _around(corners: Array, normal: Array) -> Indices:
     """Return the order of the corners of a convex polygon, shape (k, 3), counterclockwise about its normal."""
     away = corners - corners.mean(axis=0)
     first = away[0]
-    return np.arctan2(away @ np.cross(normal, first), away @ first).argsort()
+    return np.asarray(np.arctan2(away @ np.cross(normal, first), away @ first).argsort())
 
 
 def _widest(corners: Array) -> float:
@@ -98,7 +98,7 @@ def _in_facet(rim: Array, normal: Array, apart: float) -> Array:
     low, step = flat.min(axis=0), math.sqrt(2.0) * apart
     counts = np.ceil(np.ptp(flat, axis=0) / step).astype(int)
     nodes = low + step * (np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 2) + 0.5)
-    return rim[0] + _moved_in(nodes, flat, apart) @ plane
+    return np.asarray(rim[0] + _moved_in(nodes, flat, apart) @ plane)
 
 
 def _moved_in(nodes: Array, flat: Array, apart: float) -> Array:
@@ -108,7 +108,7 @@ def _moved_in(nodes: Array, flat: Array, apart: float) -> Array:
     """
     edges = np.roll(flat, -1, axis=0) - flat
     away = nodes[:, None] - flat
-    outside: Mask = (edges[:, 1] * away[:, :, 0] - edges[:, 0] * away[:, :, 1] > 0.0).any(axis=1)
+    outside = np.any(edges[:, 1] * away[:, :, 0] - edges[:, 0] * away[:, :, 1] > 0.0, axis=1)
     share = np.clip((away * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
     on_rim = flat + share[:, :, None] * edges
     distances = np.linalg.norm(nodes[:, None] - on_rim, axis=2)
