@@ -58,6 +58,8 @@ class Flat:
     """Counterclockwise about the outward normal, m, shape (k, 3)."""
     normal: Array
     """Outward unit normal, shape (3,)."""
+    radius: float | None = None
+    """Of the disc that the polygon is around, m; its edge is that of the surface."""
 
     @cached_property
     def inward(self) -> Array:
@@ -86,7 +88,7 @@ def placed(face: ContactFace, R: Array, origin: Array) -> ContactFace:
             low, high = (None if slope is None else R @ slope for slope in face.slopes)
             return replace(face, direction=R @ face.direction, bend=bend, slopes=(low, high))
         case Flat():
-            return Flat(face.corners @ R.T + origin, R @ face.normal)
+            return Flat(face.corners @ R.T + origin, R @ face.normal, face.radius)
     return face
 
 
@@ -99,6 +101,11 @@ def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
         case Ruling():
             low, high = face.ends
             return low if low[0] < high[0] else high
+        case Flat(radius=float(radius)):
+            away = point - face.corners.mean(axis=0)
+            away = away - (away @ face.normal) * face.normal
+            rho = max(float(np.sqrt(away @ away)), np.finfo(float).tiny)
+            return radius - rho, -away / rho
         case Flat():
             room = face.room(point[None])[0]
             nearest = int(room.argmin())

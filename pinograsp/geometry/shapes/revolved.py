@@ -27,7 +27,7 @@ def cap(radius: float, height: float) -> Flat:
     angles = outward * (np.arange(SECTIONS) + 0.5) * 2.0 * math.pi / SECTIONS
     around = radius / math.cos(math.pi / SECTIONS)
     rim = [around * np.cos(angles), around * np.sin(angles), np.full(SECTIONS, height)]
-    return Flat(np.column_stack(rim), np.array([0.0, 0.0, outward]))
+    return Flat(np.column_stack(rim), np.array([0.0, 0.0, outward]), radius)
 
 
 def revolved(bottom: float, top: float, half: float) -> Tessellation:
