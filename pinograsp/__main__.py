@@ -1,6 +1,6 @@
 """The command line, as `pinograsp` and as `python -m pinograsp`."""
 
-from .asked import end_when_asked
+from .asked import end_when_asked, ignore_when_asked
 
 
 def main() -> None:
@@ -8,7 +8,10 @@ def main() -> None:
     end_when_asked()
     from .cli import main as run
 
-    run()
+    try:
+        run()
+    finally:
+        ignore_when_asked()
 
 
 if __name__ == "__main__":  # worker processes import this module under another name

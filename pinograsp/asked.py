@@ -19,6 +19,12 @@ def end_when_asked() -> None:
         signal.signal(number, _end)
 
 
+def ignore_when_asked() -> None:
+    """Ignore the signals: all is done and written, and Python would let itself be killed while it ends."""
+    for number in ASKING:
+        signal.signal(number, signal.SIG_IGN)
+
+
 def _end(number: int, frame: FrameType | None) -> None:
     try:
         os.write(2, b"error: interrupted\n")

@@ -102,11 +102,13 @@ def watched() -> Iterator[Watch]:
     sys.unraisablehook = dropped
     try:
         with _handling({**dict.fromkeys(asking(), watch.came), signal.SIGALRM: watch.look}), _in_charge(watch):
-            yield watch
-            if watch.waiting:
-                raise KeyboardInterrupt
+            try:
+                yield watch
+                if watch.waiting:
+                    raise KeyboardInterrupt
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
         sys.unraisablehook = hook
 
 
