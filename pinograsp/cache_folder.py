@@ -16,6 +16,8 @@ from .errors import CacheWarning, UnwritableError
 Value = TypeVar("Value")
 
 REMEDY = "Set PINOGRASP_CACHE to a folder that can be written"
+_warned: set[Path | None] = set()
+"""Folders that this process has warned of; None: that there is none."""
 
 
 def cache_folder() -> Path:
@@ -62,7 +64,9 @@ def in_cache(write: Callable[[Path], Value]) -> Value:
         kept = write(Path(_temporary().name))
     except (OSError, UnwritableError):
         raise wrong from None
-    _warn(str(wrong))
+    if folder not in _warned:
+        _warned.add(folder)
+        warnings.warn(f"{wrong}; until then a temporary one is used", CacheWarning, stacklevel=2)
     return kept
 
 
@@ -70,9 +74,3 @@ def in_cache(write: Callable[[Path], Value]) -> Value:
 def _temporary() -> tempfile.TemporaryDirectory[str]:
     """Return the temporary folder of this process, which is removed with it; forked workers have the same."""
     return tempfile.TemporaryDirectory(prefix="pinograsp-cache-")
-
-
-@cache
-def _warn(wrong: str) -> None:
-    """Warn of a folder, once in a process."""
-    warnings.warn(f"{wrong}; until then a temporary one is used", CacheWarning, stacklevel=2)

@@ -90,7 +90,7 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
 
     def build(robot: Robot, scene: Scene, file: Path, margins: Margins, **_: object) -> Database:
         files.append(file)
-        facts = {"layout": "sorted"}
+        facts = {"seed": 0, "spread": "joints", "layout": "sorted", "size": 0, "versions": {}}
         with writing(file):
             return create(file, Identity.of(robot, scene, margins), facts)
 
@@ -102,6 +102,7 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
         return made[-1]
 
     monkeypatch.setattr(cache_folder_module, "_temporary", functools.cache(temporary))
+    monkeypatch.setattr(cache_folder_module, "_warned", set())
     yield files
     for folder in made:
         folder.cleanup()
