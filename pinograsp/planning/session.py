@@ -204,6 +204,7 @@ class Planner:
         searched = time.perf_counter()
         grasps, whole = all_graded(run.distinct(), model, self._workers, self._report)
         run.interrupted |= not whole
+        run.count_graded(grasps)
         run.times |= {"resistance": time.perf_counter() - searched, "total": time.perf_counter() - began}
         return run.result(grasps)
 
