@@ -104,7 +104,7 @@ def spelled_streams() -> Iterator[None]:
 def _write(text: str, error: bool = False) -> None:
     stream = sys.stderr if error else sys.stdout
     try:
-        with unread(stream):
+        with unread(stream, whatever=error):
             typer.echo(text, file=stream)
     except OSError as problem:
         raise FileError(f"cannot be written: {reason_of(problem)}", key="standard output") from None

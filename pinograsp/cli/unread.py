@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,22 +15,24 @@ GONE = (errno.EPIPE, errno.EIO)
 
 
 @contextmanager
-def unread(stream: Any) -> Iterator[None]:
+def unread(stream: Any, whatever: bool = True) -> Iterator[None]:
     """Go on without a reader if there is none any more: of `pinograsp plan ... | head` the files are written, too.
 
-    Standard error goes on without whatever it is that cannot be written.
+    Args:
+        stream: that is written to in the block, and from now on to nowhere if it cannot be.
+        whatever: the reason; otherwise only for want of a reader.
     """
     try:
         yield
     except OSError as problem:
-        if stream is not sys.stderr and problem.errno not in GONE:
+        if not whatever and problem.errno not in GONE:
             raise
         with contextlib.suppress(OSError), Path(os.devnull).open("w") as nowhere:
             os.dup2(nowhere.fileno(), stream.fileno())
 
 
 class Unread:
-    """A stream to which anything can be written, read or not; for libraries that write themselves."""
+    """A stream to which anything can be written, whatever becomes of it; for libraries that write themselves."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
