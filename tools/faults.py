@@ -48,6 +48,8 @@ REPORT = ("rank", "result.json", "--out", "out")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 SAID = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 """Exit codes of commands that were asked to end."""
+NOBODY = 54321
+"""A user of whom the system knows nothing."""
 TIMEOUT = 300.0
 """Seconds after which a command is taken to hang."""
 
@@ -406,18 +408,22 @@ class Faults:
                         if out.is_dir():
                             _require_clean(out)
                     outcomes["one line"] += 1
-        homes = {"HOME is not set": None, "HOME is nothing": "", "HOME is no folder": "/dev/null/nobody"}
-        for said, home in homes.items():
+        homes: dict[str, tuple[str | None, dict[str, Any]]] = {
+            "HOME is nothing": ("", {}),
+            "HOME is no folder": ("/dev/null/nobody", {}),
+        }
+        if os.geteuid() == 0:
+            homes["HOME is not set, nor is the user known"] = (None, {"user": NOBODY})
+        for said, (home, streams) in homes.items():
             with self.row(said, "plan") as outcomes, self.judged(outcomes, said):
                 variables = {"PINOGRASP_CACHE": None, "XDG_CACHE_HOME": None, "HOME": home}
                 where = self.fresh()
-                if home is None:  # Python then asks the system's list of users
-                    variables["HOME"] = str(where / "new")
-                self._plans_without(where, "", variables)
+                where.chmod(0o777)
+                self._plans_without(where, "" if home == "" else "cache", variables, **streams)
                 outcomes["planned"] += 1
 
-    def _plans_without(self, folder: Path, named: str, environment: Mapping[str, str | None]) -> None:
-        done = self._machine.run(folder, *PLAN, environment=environment).require(0)
+    def _plans_without(self, folder: Path, named: str, environment: Mapping[str, str | None], **streams: Any) -> None:
+        done = self._machine.run(folder, *PLAN, environment=environment, **streams).require(0)
         _check_plan(folder, done, None, self._subjects["plan"].whole)
         warned = [line for line in done.errors.splitlines() if "PINOGRASP_CACHE" in line]
         if named and (len(warned) != 1 or named not in warned[0]):
@@ -576,6 +582,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="faults-") as name:
         folder = Path(name)
+        folder.chmod(0o755)
         cache = folder / "cache"
         cache.mkdir()
         faults = Faults(Machine(cache, given.processes), folder, given.moments, given.seed)
