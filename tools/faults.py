@@ -52,6 +52,8 @@ NOBODY = 54321
 """A user of whom the system knows nothing."""
 TIMEOUT = 300.0
 """Seconds after which a command is taken to hang."""
+HANGS = 1000
+"""Its exit code then."""
 
 
 class WrongError(Exception):
@@ -121,17 +123,25 @@ class Machine:
                 at(process)
                 code = process.wait(TIMEOUT)
             except subprocess.TimeoutExpired:
-                code = 1000
+                code = HANGS
+            except BaseException:
+                _kill(process)
+                raise
             seconds = time.monotonic() - began
             left = _gone(process.pid)
-            if code == 1000:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+            if code == HANGS:
+                _kill(process)
             texts = []
             for stream in (output, errors):
                 stream.seek(0)
                 texts.append(stream.read())
         return Done(code, *texts, seconds, left)
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _members(group: int) -> list[int]:
