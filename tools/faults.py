@@ -352,7 +352,7 @@ class Faults:
 
     def workers(self) -> None:
         """Kill one worker at random moments: nothing is lost."""
-        for name in self._chosen.keys() - {"report"}:
+        for name in (name for name in self._chosen if name != "report"):
             subject = self._subjects[name]
             with self.row("a worker is killed", name) as outcomes:
                 for _ in range(self._moments):
