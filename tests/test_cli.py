@@ -17,8 +17,8 @@ from conftest import Run
 
 import pinograsp
 from pinograsp.cli.folders import file_name
-from pinograsp.cli.interrupts import held_interrupts, late_interrupts
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
+from pinograsp.interrupts import held, watched
 from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
 
@@ -373,8 +373,8 @@ cli.main()
 """
 
 
-def interrupted(folder: Path, stage: str, *arguments: object) -> tuple[int, str]:
-    """Run a command of two processes in a folder until a stage goes on, press Ctrl-C, and return code and output."""
+def interrupted(folder: Path, stage: str, *arguments: object, number: int = signal.SIGINT) -> tuple[int, str]:
+    """Run a command of two processes in a folder until a stage goes on, send a signal, and return code and output."""
     with (folder / "output").open("w") as output:
         process = subprocess.Popen(
             [sys.executable, "-c", COMMAND_WITH_A_SIGN, stage, *map(str, arguments), "--workers", "2"],
@@ -388,7 +388,7 @@ def interrupted(folder: Path, stage: str, *arguments: object) -> tuple[int, str]
         while not (folder / "begun").exists() and process.poll() is None and time.monotonic() < deadline:
             time.sleep(0.02)
         assert len(group_members(process.pid)) == 3
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        os.killpg(process.pid, number)  # as a terminal does
         code = process.wait(120)
         assert group_members(process.pid) == []
     finally:
@@ -426,10 +426,10 @@ def test_ctrl_c_is_one_line_where_there_is_nothing_to_keep(tmp_path: Path) -> No
 
 
 @needs_proc
-def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
+def test_sigterm_keeps_what_is_done(tmp_path: Path) -> None:
     arguments = ["plan", "glovebox", "--task", "sphere", "--starts", CTRL_C_STARTS, "--no-html"]
-    code, said = interrupted(tmp_path, "starts", *arguments)
-    assert code == 130, said
+    code, said = interrupted(tmp_path, "starts", *arguments, number=signal.SIGTERM)
+    assert code == 143, said
     (written,) = (tmp_path / "out").iterdir()
     result = pinograsp.read_json(written)
     assert result.interrupted
@@ -477,7 +477,7 @@ def test_ctrl_c_within_what_llvm_calls_comes_after_it() -> None:
     file = str(Path("site-packages", "llvmlite", "binding", "executionengine.py"))
     called = compile("os.kill(os.getpid(), signal.SIGINT); done.append('called')", file, "exec")
     done: list[str] = []
-    with pytest.raises(KeyboardInterrupt), late_interrupts():
+    with pytest.raises(KeyboardInterrupt), watched():
         exec(called, {"os": os, "signal": signal, "done": done})
         time.sleep(10.0)
         done.append("slept")
@@ -486,7 +486,7 @@ def test_ctrl_c_within_what_llvm_calls_comes_after_it() -> None:
 
 def test_ctrl_c_while_files_are_written_comes_after_them() -> None:
     written = []
-    with pytest.raises(KeyboardInterrupt), held_interrupts():
+    with pytest.raises(KeyboardInterrupt), held():
         os.kill(os.getpid(), signal.SIGINT)
         written.append("file")
     assert written == ["file"]

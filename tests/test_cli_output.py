@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import inspect
 import json
@@ -11,6 +12,7 @@ import pty
 import shlex
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -294,6 +296,19 @@ def test_lines_of_progress(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
     assert output.err == "starts: 700 of 1,304, verified 699, best U 2.179\nresistance: 1 of 1,300\n"
 
 
+@pytest.mark.parametrize("number", [errno.EPIPE, errno.EIO, errno.ENOSPC])
+def test_progress_that_cannot_be_written_ends_no_plan(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(reporters, "INTERVAL", 0.0)
+    monkeypatch.setattr(typer, "echo", fail)
+    reporters.Lines()(Progress("starts", 1, 4))
+    monkeypatch.setattr(sys.stderr, "write", fail)
+    with reporters.reporter(quiet=False, terminal=True) as report:
+        report(Progress("starts", 1, 4))
+
+
 def test_a_number_without_a_total_is_what_is_done_so_far() -> None:
     assert str(Progress("compiling", 121)) == "compiling: 121 so far"
 
@@ -458,6 +473,21 @@ def test_a_full_disk_is_one_line() -> None:
         done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr == "error: standard output: cannot be written: no space left on device\n"
+
+
+def test_streams_that_are_closed(file: Path) -> None:
+    done = subprocess.run(["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", *COMMAND, "rank", str(file)], check=False)
+    assert done.returncode == 0
+
+
+def test_warnings_of_the_library_are_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    with warnings.catch_warnings():
+        Terminal(as_json=False, quiet=False)
+        warnings.warn("the cache is full", pinograsp.CacheWarning, stacklevel=1)
+        assert capsys.readouterr() == ("", "warning: the cache is full\n")
+        Terminal(as_json=False, quiet=True)
+        warnings.warn("the cache is full", pinograsp.CacheWarning, stacklevel=1)
+        assert capsys.readouterr() == ("", "")
 
 
 def test_colors_and_bar_are_for_terminals(file: Path, tmp_path: Path) -> None:

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+import functools
 import os
+import re
+import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NoReturn
 
 import numpy as np
 import pytest
 
 import pinograsp
 from pinograsp import Coverage, Database, InputError, Margins, Result, Robot, Scene, Setup
+from pinograsp import cache_folder as cache_folder_module
+from pinograsp.cache_folder import cache_folder, cache_folders, in_cache
+from pinograsp.database import cache as cache_module
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.identity import Identity
-from pinograsp.database.store import create
-from pinograsp.disk import cache_folder
+from pinograsp.database.store import create, writing
+from pinograsp.disk import write_whole
 
 Kind = Callable[[Path], str | Path]
 PANDA = "package://example-robot-data/robots/panda_description/urdf/panda.urdf"
@@ -73,14 +83,108 @@ def blocked(tmp_path: Path) -> Path:
     return tmp_path / "file" / "folder"
 
 
-def test_no_cache_folder(blocked: Path, gen3: Robot, glovebox: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def builds(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
+    """The files of databases that are built from now on: without rows, in no time; no temporary cache is there yet."""
+    files: list[Path] = []
+
+    def build(robot: Robot, scene: Scene, file: Path, margins: Margins, **_: object) -> Database:
+        files.append(file)
+        facts = {"seed": 0, "spread": "joints", "layout": "sorted", "size": 0, "versions": {}}
+        with writing(file):
+            return create(file, Identity.of(robot, scene, margins), facts)
+
+    monkeypatch.setattr(cache_module, "build_database", build)
+    made: list[TemporaryDirectory[str]] = []
+
+    def temporary() -> TemporaryDirectory[str]:
+        made.append(TemporaryDirectory(prefix="pinograsp-cache-"))
+        return made[-1]
+
+    monkeypatch.setattr(cache_folder_module, "_temporary", functools.cache(temporary))
+    monkeypatch.setattr(cache_folder_module, "_warned", set())
+    yield files
+    for folder in made:
+        folder.cleanup()
+
+
+def test_a_cache_that_cannot_be_written_has_a_temporary_one_in_its_place(
+    blocked: Path, gen3: Robot, glovebox: Scene, builds: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PINOGRASP_CACHE", str(blocked))
-    with pytest.raises(InputError, match="the cache folder cannot be written: not a directory") as error:
-        cached_database(gen3, glovebox, Margins(), workers=1)
-    assert error.value.file == blocked
+    said = f"{blocked}: the cache folder cannot be written: not a directory. Set PINOGRASP_CACHE to a folder that can"
+    with pytest.warns(pinograsp.CacheWarning, match=re.escape(said)):
+        first = cached_database(gen3, glovebox, Margins())
+    with first, cached_database(gen3, glovebox, Margins()) as second:  # is warned of once, and built once
+        assert first.file == second.file
+        assert first.file.parent.name.startswith("pinograsp-cache-")
+    assert len(builds) == 1
+    monkeypatch.setenv("PINOGRASP_CACHE", str(blocked / "other"))
+
+    def nowhere() -> NoReturn:
+        raise FileNotFoundError(2, "No usable temporary directory found")
+
+    monkeypatch.setattr(cache_folder_module, "_temporary", functools.cache(nowhere))
+    with pytest.raises(pinograsp.UnwritableError, match="the cache folder cannot be written: not a directory") as error:
+        cached_database(gen3, glovebox, Margins())
+    assert error.value.file == blocked / "other"
     assert "PINOGRASP_CACHE" in (error.value.remedy or "")
 
 
+def test_a_cached_database_is_shared(
+    gen3: Robot, glovebox: Scene, builds: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Builders queue; who has the file open, even for writing, is in nobody's way, nor is anybody in his."""
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path / "cache"))
+    with ThreadPoolExecutor(4) as threads:
+        opened = list(threads.map(lambda _: cached_database(gen3, glovebox, Margins()), range(4)))
+    assert len(builds) == 1
+    (file,) = (tmp_path / "cache").glob("*.duckdb")
+    assert {database.file for database in opened} == {file}
+    writer = f"import duckdb; c = duckdb.connect({str(file)!r}); print(c.sql('SELECT 1'), flush=True); input()"
+    command = [sys.executable, "-c", writer]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline()  # it has the file, while four others are open here
+        opened.append(cached_database(gen3, glovebox, Margins()))
+        other.communicate("\n")
+    assert other.returncode == 0
+    for database in opened:
+        assert database.metadata()["layout"] == "sorted"
+        database.close()
+
+
+@contextmanager
+def nearly_full(most: int) -> Iterator[None]:
+    """Let no file grow beyond so many bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_is_said_and_nothing_is_left(gen3: Robot, glovebox: Scene, database: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "full"
+    identity = Identity.of(gen3, glovebox, Margins())
+
+    def created() -> None:
+        with writing(folder / "rows.duckdb"):
+            create(folder / "rows.duckdb", identity, {})
+
+    with Database.open(database) as opened:
+        for write in (
+            lambda: write_whole(folder / "text", "x" * 10_000),
+            lambda: opened.export_parquet(folder / "rows.parquet"),
+            created,
+        ):
+            with nearly_full(100), pytest.raises(pinograsp.UnwritableError, match="cannot be written: file too large"):
+                write()
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.usefixtures("builds")
 def test_no_home_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown() -> Path:
         raise RuntimeError("Could not determine home directory.")
@@ -88,8 +192,11 @@ def test_no_home_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PINOGRASP_CACHE")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", unknown)
-    with pytest.raises(InputError, match="Set PINOGRASP_CACHE"):
+    with pytest.raises(pinograsp.UnwritableError, match=r"no home folder for the cache\. Set PINOGRASP_CACHE"):
         cache_folder()
+    with pytest.warns(pinograsp.CacheWarning, match=r"no home folder for the cache\. Set PINOGRASP_CACHE"):
+        written = in_cache(lambda folder: folder / "file")
+    assert written in [folder / "file" for folder in cache_folders()]
     monkeypatch.setenv("XDG_CACHE_HOME", "/somewhere")
     assert cache_folder() == Path("/somewhere/pinograsp")
 

@@ -17,7 +17,7 @@ from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
 from ..solve.local import Outcome
 from ..units import in_si
-from ..verification.resistance import Q_FORCE
+from ..verification.resistance import Q_FORCE, is_graded
 from .attempt import Attempt
 
 EMPTY = "the database is empty: the arm keeps its margins from walls, obstacles and itself nowhere"
@@ -86,6 +86,12 @@ class Run:
             reason = "the database has no configuration that suits the task"
             self.warnings += (f"no start was found: {reason if self.facts['database']['rows'] else EMPTY}",)
 
+    def count_graded(self, grasps: Sequence[Grasp]) -> None:
+        """Warn where workers that died have left grasps without the figures of their resistance."""
+        lost = sum(not is_graded(grasp.certificate) for grasp in grasps)
+        if lost and not self.interrupted:
+            self.warnings += (f"the resistance of {lost} grasps is not known: workers ended twice over them",)
+
     def distinct(self) -> tuple[Grasp, ...]:
         """Return the grasps that were found, near-identical ones as one."""
         return merge([attempt.grasp for attempt in self.attempts if attempt.grasp])
@@ -103,7 +109,7 @@ class Run:
             grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
-            verified=self.verified,
+            verified=sum(1 for attempt in attempts if attempt.grasp),
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,
