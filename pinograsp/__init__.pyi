@@ -52,6 +52,7 @@ from .descriptions.task import Margins as Margins
 from .descriptions.task import Reserves as Reserves
 from .descriptions.task import Task as Task
 from .descriptions.task import Wrench as Wrench
+from .errors import CacheWarning as CacheWarning
 from .errors import DatabaseMismatchError as DatabaseMismatchError
 from .errors import FileError as FileError
 from .errors import InputError as InputError
@@ -59,6 +60,7 @@ from .errors import MissingExtraError as MissingExtraError
 from .errors import PinograspError as PinograspError
 from .errors import TaskError as TaskError
 from .errors import UnknownNameError as UnknownNameError
+from .errors import UnwritableError as UnwritableError
 from .errors import WorkerLostError as WorkerLostError
 from .geometry.cone import DirectionCone as DirectionCone
 from .hold.film import write_film as write_film

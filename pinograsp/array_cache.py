@@ -11,8 +11,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from .disk import cache_folder, write_whole
-from .errors import InputError
+from .cache_folder import cache_folders, in_cache
+from .disk import write_whole
+from .errors import UnwritableError
 
 Value = TypeVar("Value")
 
@@ -26,7 +27,7 @@ def kept(
 ) -> Value:
     """Return a value from its file in the cache folder, or make it and keep it there.
 
-    A damaged file is made again, and a folder that cannot be written costs time only.
+    A damaged file is made again, and a folder that cannot be written costs time only, and a warning.
 
     Args:
         folder: of the file within the cache folder.
@@ -35,14 +36,14 @@ def kept(
         arrays_of: what is written of it, by name.
         value_of: the value of what was read.
     """
-    file = cache_folder() / folder / f"{name}.npz"
-    try:
-        with file.open("rb") as stream, np.load(stream) as data:
-            return value_of(data)
-    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
-        pass
+    for place in cache_folders():
+        try:
+            with (place / folder / f"{name}.npz").open("rb") as stream, np.load(stream) as data:
+                return value_of(data)
+        except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile, zlib.error):
+            pass
     made, content = make(), io.BytesIO()
     np.savez(content, **arrays_of(made))
-    with contextlib.suppress(InputError):
-        write_whole(file, content.getvalue())
+    with contextlib.suppress(UnwritableError):  # of a temporary folder, too
+        in_cache(lambda place: write_whole(place / folder / f"{name}.npz", content.getvalue()))
     return made

@@ -1,34 +1,18 @@
-"""Files: read with errors in words, written whole or not at all, told apart by their content; the cache folder."""
+"""Files: read with errors in words, written whole or not at all, and told apart by their content."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
+import mmap
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .errors import FileError, InputError, require_kind
-
-
-def cache_folder() -> Path:
-    """Return the cache folder: PINOGRASP_CACHE, or pinograsp below XDG_CACHE_HOME or ~/.cache.
-
-    Raises:
-        InputError: none of them is known: the user has no home folder.
-    """
-    if own := os.environ.get("PINOGRASP_CACHE"):
-        return Path(own)
-    if base := os.environ.get("XDG_CACHE_HOME"):
-        return Path(base) / "pinograsp"
-    try:
-        return Path.home() / ".cache" / "pinograsp"
-    except RuntimeError:
-        problem, remedy = "there is no home folder for the cache", "Set PINOGRASP_CACHE to a folder that can be written"
-        raise InputError(problem, remedy=remedy) from None
+from .errors import FileError, UnwritableError, require_kind
+from .interrupts import held
 
 
 def as_path(name: str, file: Path | str) -> Path:
@@ -76,23 +60,23 @@ def written_whole(file: Path) -> Iterator[Path]:
     The folder is made.
 
     Raises:
-        FileError: the file cannot be written.
+        UnwritableError: the file cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=file.parent) as folder:
+        with held(), tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=file.parent) as folder:
             unfinished = Path(folder) / file.name
             yield unfinished
             unfinished.replace(file)
     except OSError as error:
-        raise FileError(f"cannot be written: {reason_of(error)}", file=file, remedy="Check the folder") from None
+        raise UnwritableError(f"cannot be written: {reason_of(error)}", file=file, remedy="Check the folder") from None
 
 
 def write_whole(file: Path, content: str | bytes) -> None:
     """Write a file, text as UTF-8, whole or not at all.
 
     Raises:
-        FileError: the file cannot be written.
+        UnwritableError: the file cannot be written.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     with written_whole(file) as unfinished:
@@ -116,6 +100,20 @@ def digest_of(file: Path) -> str:
         FileError: it cannot be read.
     """
     return digest(content_of(file))
+
+
+def require_writable(folder: Path, problem: str, *, key: str | None = None, remedy: str | None = None) -> None:
+    """Make a folder and write to it, before something is done whose outcome is to be written there.
+
+    Raises:
+        UnwritableError: it cannot be done; with the problem, the reason and the remedy.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as tried:
+            tried.write(bytes(mmap.PAGESIZE))
+    except OSError as error:
+        raise UnwritableError(f"{problem}: {reason_of(error)}", file=folder, key=key, remedy=remedy) from None
 
 
 def reason_of(error: OSError) -> str:

@@ -3,11 +3,14 @@
     PinograspError
         InputError                  a file, a key or an argument cannot be used as given
             UnknownNameError        nothing has this name; a KeyError, too
-            FileError               a file is missing, unreadable, unwritable, damaged or of another format
+            FileError               a file is missing, unreadable, damaged or of another format
+                UnwritableError     a file or a folder cannot be written
             DatabaseMismatchError   a start database belongs to another robot, enclosure or margin
             TaskError               a task that cannot be meant with this robot and scene
         MissingExtraError           an optional dependency is not installed
         WorkerLostError             worker processes ended
+
+    CacheWarning                    the cache folder cannot be used, and a temporary one is
 
 Each input error names the file, the key, what is wrong and what to do. A search that finds nothing is not an error; it
 is a `Result` without grasps that says what blocked it, or why it had no start.
@@ -72,6 +75,10 @@ class FileError(InputError):
     """A file that is missing, cannot be read or written, is damaged, or is of another format."""
 
 
+class UnwritableError(FileError):
+    """A file or a folder that cannot be written: it is read-only or full, or a file is in its way."""
+
+
 class DatabaseMismatchError(InputError):
     """A start database that belongs to another robot, enclosure or margin; the message says in what it differs."""
 
@@ -102,6 +109,10 @@ class MissingExtraError(PinograspError):
 
 class WorkerLostError(PinograspError):
     """A worker process that ended twice over the same piece of work: killed, out of memory, or a library crashed."""
+
+
+class CacheWarning(UserWarning):
+    """A cache folder that cannot be written: every process makes anew what would be kept there."""
 
 
 def _rebuild(

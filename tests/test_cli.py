@@ -17,8 +17,8 @@ from conftest import Run
 
 import pinograsp
 from pinograsp.cli.folders import file_name
-from pinograsp.cli.interrupts import held_interrupts, late_interrupts
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
+from pinograsp.interrupts import held, watched
 from pinograsp.planning import session
 from pinograsp.verification import Certificate, Figure
 
@@ -477,7 +477,7 @@ def test_ctrl_c_within_what_llvm_calls_comes_after_it() -> None:
     file = str(Path("site-packages", "llvmlite", "binding", "executionengine.py"))
     called = compile("os.kill(os.getpid(), signal.SIGINT); done.append('called')", file, "exec")
     done: list[str] = []
-    with pytest.raises(KeyboardInterrupt), late_interrupts():
+    with pytest.raises(KeyboardInterrupt), watched():
         exec(called, {"os": os, "signal": signal, "done": done})
         time.sleep(10.0)
         done.append("slept")
@@ -486,7 +486,7 @@ def test_ctrl_c_within_what_llvm_calls_comes_after_it() -> None:
 
 def test_ctrl_c_while_files_are_written_comes_after_them() -> None:
     written = []
-    with pytest.raises(KeyboardInterrupt), held_interrupts():
+    with pytest.raises(KeyboardInterrupt), held():
         os.kill(os.getpid(), signal.SIGINT)
         written.append("file")
     assert written == ["file"]

@@ -18,7 +18,7 @@ from conftest import Run
 import pinograsp
 from pinograsp import Result, Robot, Scene
 from pinograsp.cli import folders
-from pinograsp.cli.interrupts import held_interrupts
+from pinograsp.interrupts import held
 
 NAMES = "glovebox_sphere_gen3_2f85"
 HAND = "robotiq_85_left_knuckle_joint"
@@ -156,11 +156,11 @@ def test_ctrl_c_after_the_work_comes_after_the_files(
 
     @contextmanager
     def pressed() -> Iterator[None]:
-        with held_interrupts():
+        with held():
             os.kill(os.getpid(), signal.SIGINT)
             yield
 
-    monkeypatch.setattr(folders, "held_interrupts", pressed)
+    monkeypatch.setattr(folders, "held", pressed)
     code, output, errors = run(*(str(word).format(**places) for word in command))
     assert (code, output, errors) == (130, "", "error: interrupted\n")
     written = sorted(path.name for path in (tmp_path / "out").iterdir())

@@ -11,8 +11,8 @@ import pytest
 import trimesh
 from conftest import Array
 
+from pinograsp.cache_folder import cache_folder
 from pinograsp.descriptions.mesh_contact import SIGMAS
-from pinograsp.disk import cache_folder
 from pinograsp.geometry.distance_field import DistanceField, distance_field, footprint_sigma
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_cache import mesh_field

@@ -14,11 +14,11 @@ import pytest
 
 import pinograsp
 from pinograsp import Coverage, Database, InputError, Margins, Result, Robot, Scene, Setup
+from pinograsp.cache_folder import cache_folder
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.identity import Identity
 from pinograsp.database.store import create
-from pinograsp.disk import cache_folder
 
 Kind = Callable[[Path], str | Path]
 PANDA = "package://example-robot-data/robots/panda_description/urdf/panda.urdf"

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import yaml
 
-from pinograsp.disk import cache_folder
+from pinograsp.cache_folder import cache_folder
 
 LIST = Path(__file__).with_suffix(".yaml")
 PLATFORM = ("--only-binary", ":all:", "--python-version", "3.11", "--platform", "manylinux2014_x86_64")

@@ -10,6 +10,7 @@ from typing import Any
 from ..compiled import compiling
 from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
+from ..interrupts import heard, taken
 from ..progress import Progress, Report, no_report
 from ..results import Grasp
 from .errors import SAMPLES, Draw, Errors, draws
@@ -56,17 +57,18 @@ def assess(
     require_report(progress)
     samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0, None)
     running = own_workers(workers)
-    judge = Judge(grasp)
-    sizes = (errors or Errors()).for_task(judge.task.contact.friction)
-    drawn = draws(sizes, samples, len(grasp.q_arm), seed)
-    with compiling(progress):  # all that has to be, before processes begin
+    with heard(), compiling(progress):  # all that has to be compiled is, before processes begin
+        judge = Judge(grasp)
+        sizes = (errors or Errors()).for_task(judge.task.contact.friction)
+        drawn = draws(sizes, samples, len(grasp.q_arm), seed)
         planned = judge.verdict(judge.no_errors)
     verdicts, margins = dict[int, Verdict](), dict[str, Margin]()
     kinds = list(KINDS) if planned.holds else []
     interrupted = False
     try:
         with running:
-            running.begin()
+            with heard():
+                running.begin()
             for number, verdict in _each(running, partial(_judging, grasp), list(enumerate(drawn))):
                 verdicts[number] = verdict
                 progress(Progress("samples", len(verdicts), len(drawn)))
@@ -74,6 +76,7 @@ def assess(
                 margins[margin.kind] = margin
                 progress(Progress("margins", len(margins), len(kinds)))
     except KeyboardInterrupt:
+        taken()
         interrupted = True
     found = tuple(Sample(number + 1, drawn[number], verdicts[number]) for number in sorted(verdicts))
     in_order = tuple(margins[kind] for kind in KINDS if kind in margins)

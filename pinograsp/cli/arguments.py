@@ -12,10 +12,11 @@ from typing import Annotated, Any, TypeVar
 import typer
 
 from ..errors import InputError
+from ..interrupts import watched
 from . import completion
 from .terminal import fail
 
-WRONG_USE, FAULT, INTERRUPTED = 2, 70, 130
+WRONG_USE, FAULT = 2, 70
 DEFAULT_ROBOT = "gen3_2f85"
 POSE = ("X", "Y", "Z", "ROLL", "PITCH", "YAW")
 
@@ -73,10 +74,11 @@ def command(app: typer.Typer, name: str, *examples: str) -> Callable[[Function],
         @functools.wraps(function)
         def interruptible(*arguments: Any, **options: Any) -> None:
             try:
-                function(*arguments, **options)
+                with watched() as asked:
+                    function(*arguments, **options)
             except KeyboardInterrupt:
                 fail("interrupted")
-                raise typer.Exit(INTERRUPTED) from None
+                raise typer.Exit(asked.exit_code) from None
 
         app.command(name, epilog=shown)(interruptible)
         return function

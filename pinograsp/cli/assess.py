@@ -11,10 +11,11 @@ import typer
 
 import pinograsp
 
+from ..interrupts import exit_code, held
 from ..tables import Table
 from ..units import shown_in
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command, given, scaled
+from .arguments import as_options, command, given, scaled
 from .folders import file_name, make_folder, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
@@ -74,7 +75,7 @@ def assess(
     again on the displaced object. With --out the assessment is written as
     <scene>_<task>_<robot>_grasp<number>_assessment.json.
 
-    Exit codes: 0 whatever is found, 130 interrupted.
+    Exit codes: 0 whatever is found, 130 and 143 interrupted.
     """
     terminal = Terminal(as_json, quiet)
     sizes = given(
@@ -99,7 +100,7 @@ def assess(
     chosen = grasp_of(result, grasp, file)
     if out is not None:
         make_folder(out)
-    with as_options({"samples": "--samples"}), terminal.progress() as progress:
+    with as_options({"samples": "--samples"}), terminal.progress() as progress, held():
         found = pinograsp.assess(
             chosen, errors, seed=seed, workers=workers, progress=progress, **given(samples=samples)
         )
@@ -109,7 +110,7 @@ def assess(
     for line in written:
         terminal.say(line)
     if found.interrupted:
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(exit_code())
 
 
 def _files(names: dict[str, Any], found: pinograsp.Assessment, folder: Path | None) -> Iterator[str]:

@@ -13,8 +13,7 @@ import pinograsp
 
 from ..errors import PinograspError
 from . import assess, check, contacts, database, hold, listing, plan, rank, robot, show, verify
-from .arguments import FAULT, INTERRUPTED, WRONG_USE, group, help_alone
-from .interrupts import late_interrupts
+from .arguments import FAULT, WRONG_USE, group, help_alone
 from .terminal import fail, spelled_streams
 
 SELDOM = 100_000
@@ -32,7 +31,8 @@ def pinograsp_command(
     """Plan verified grasps for a robot arm and hand inside a narrow enclosure.
 
     Exit codes: 0 grasps were found, everything stands or holds; 1 none was found, something differs or does not
-    hold; 2 the input cannot be used; 70 a fault of pinograsp itself; 130 interrupted with Ctrl-C.
+    hold; 2 the input cannot be used; 70 a fault of pinograsp itself; 130 interrupted with Ctrl-C, 143 with
+    SIGTERM.
     """
     if version:
         typer.echo(f"pinograsp {pinograsp.__version__}")
@@ -49,7 +49,7 @@ def main() -> None:
     thresholds = gc.get_threshold()
     gc.set_threshold(SELDOM, *thresholds[1:])
     try:
-        with spelled_streams(), late_interrupts():
+        with spelled_streams():
             code = _run()
     finally:
         gc.set_threshold(*thresholds)
@@ -63,9 +63,6 @@ def _run() -> int:
         fail(_usage(error))
     except PinograspError as error:
         fail(str(error))
-    except KeyboardInterrupt:
-        fail("interrupted")
-        return INTERRUPTED
     except Exception:  # with the traceback for who mends it
         fail(f"a fault of pinograsp itself; please report it with these lines:\n{traceback.format_exc().rstrip()}")
         return FAULT

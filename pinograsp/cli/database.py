@@ -11,10 +11,11 @@ import typer
 
 import pinograsp
 
+from ..interrupts import exit_code
 from ..progress import Progress
 from ..tables import GAP, Table
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command, given, group, help_alone
+from .arguments import as_options, command, given, group, help_alone
 from .folders import file_name, make_folder, save, saved
 from .inputs import read_robot
 from .terminal import Terminal, fail
@@ -81,7 +82,7 @@ def build(
 
     Ctrl-C keeps what is done.
 
-    Exit codes: 0 it is built, 1 no configuration is free of collision, 130 interrupted.
+    Exit codes: 0 it is built, 1 no configuration is free of collision, 130 and 143 interrupted.
     """
     terminal = Terminal(as_json, quiet)
     if not 1 <= size <= 1e10:
@@ -109,7 +110,7 @@ def build(
                 facts = built.info()
     except KeyboardInterrupt:
         fail(f"interrupted; the same command goes on where {file} ends")
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(exit_code()) from None
     terminal.find(lambda: facts, lambda: terminal.say(f"{facts['rows']:,} configurations in {file}"))
     if not facts["rows"]:
         drawn = facts["samples_drawn"]

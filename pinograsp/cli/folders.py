@@ -6,21 +6,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..disk import json_text, reason_of, write_whole
+from ..disk import json_text, reason_of, require_writable, write_whole
 from ..errors import FileError
-from .interrupts import held_interrupts
+from ..interrupts import held
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder of `--out`: before the work, not after it.
+    """Make the folder of `--out` and write to it: before the work, not after it.
 
     Raises:
-        FileError: it cannot be made.
+        UnwritableError: it cannot be done.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(f"no such folder can be made: {reason_of(error)}", file=folder, key="--out") from None
+    require_writable(folder, "no file can be written there", key="--out")
 
 
 def file_name(*parts: str | int, suffix: str) -> str:
@@ -36,7 +33,7 @@ def saved(lines: Iterable[str]) -> list[str]:
     Args:
         lines: what is to be said of each, which writes it: from `save` or `remove`.
     """
-    with held_interrupts():
+    with held():
         return list(lines)
 
 

@@ -13,9 +13,10 @@ import typer
 import pinograsp
 
 from ..hold.options import HoldOptions
+from ..interrupts import exit_code, held
 from ..tables import Table
 from . import arguments
-from .arguments import INTERRUPTED, as_options, command, given, scaled
+from .arguments import as_options, command, given, scaled
 from .folders import file_name, make_folder, save, save_json, saved
 from .inputs import grasp_of, read_result
 from .terminal import Terminal
@@ -85,7 +86,7 @@ def hold(
     <scene>_<task>_<robot>_hold.json; model and film of the first grasp that is tested as
     <scene>_<task>_<robot>_grasp<number>.xml and .gif.
 
-    Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 interrupted.
+    Exit codes: 0 every grasp holds (and every control drops the object), 1 one does not, 130 and 143 interrupted.
     """
     terminal = Terminal(as_json, quiet)
     values: dict[str, Any] = given(
@@ -114,7 +115,7 @@ def hold(
     grasps, first = _chosen(result, file, best, grasp)
     if out is not None:
         make_folder(out)
-    with terminal.progress() as progress:
+    with terminal.progress() as progress, held():
         tested = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
         outcomes = [dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in tested]
         written = saved(_files(result, outcomes, out))
@@ -122,7 +123,7 @@ def hold(
     for line in written:
         terminal.say(line)
     if len(outcomes) < len(grasps):
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(exit_code())
     if out is not None:
         names = (result.scene, result.task, result.robot)
         model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))

@@ -10,9 +10,10 @@ import typer
 
 import pinograsp
 
+from ..interrupts import exit_code, held
 from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
-from .arguments import INTERRUPTED, as_options, command, given
+from .arguments import as_options, command, given
 from .folders import file_name, make_folder, remove, save, saved
 from .inputs import read_robot, read_scene
 from .orders import ORDERS, is_measured, require_order
@@ -97,11 +98,11 @@ def plan(
     after the other and briefly, and ends as well where no grasp can be better. Models and the start database count
     among the seconds of the deadline.
 
-    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C ends the search
-    and writes what was found until then. Where no page is written, that of an earlier plan is removed. With --json the
-    document is that of the JSON file.
+    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C and
+    SIGTERM end the search and write what was found until then. Where no page is written, that of an earlier plan is
+    removed. With --json the document is that of the JSON file.
 
-    Exit codes: 0 grasps were found, 1 none was found, 130 interrupted.
+    Exit codes: 0 grasps were found, 1 none was found, 130 and 143 interrupted.
     """
     terminal = Terminal(as_json, quiet)
     described = read_scene(scene, task, object_pose, lock)
@@ -128,17 +129,20 @@ def plan(
     with terminal.progress() as progress, as_options(names):
         model = read_robot(robot)
         session: dict[str, Any] = {"workers": workers, "options": options, "database": database, "progress": progress}
-        if quick:
-            with pinograsp.Planner(model, described, **session) as planner:
-                result = planner.first(task, **quick)
-        else:
-            result = pinograsp.plan(model, described, task, **whole, **session)
-        written = saved(_files(result, out, rank_by, html))
+        with held():
+            if quick:
+                with pinograsp.Planner(model, described, **session) as planner:
+                    result = planner.first(task, **quick)
+            else:
+                result = pinograsp.plan(model, described, task, **whole, **session)
+            if result.interrupted and not result.done:  # what an earlier plan found is worth more
+                raise KeyboardInterrupt
+            written = saved(_files(result, out, rank_by, html))
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
     for line in written:
         terminal.say(line)
     if result.interrupted:
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(exit_code())
     if not result.grasps:
         raise typer.Exit(NOTHING_FOUND)
 

@@ -7,10 +7,12 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import typer
 
 from ..progress import Progress, Report, no_report
+from .unread import Unread, unread
 
 INTERVAL = 2.0
 """Seconds between lines."""
@@ -41,7 +43,8 @@ class Lines:
         now = time.monotonic()
         began = self._stage != "" and progress.stage != self._stage
         if now - self._written >= INTERVAL or began:
-            typer.echo(str(progress), err=True)
+            with unread(sys.stderr):
+                typer.echo(str(progress), err=True)
             self._written, self._stage = now, progress.stage
 
 
@@ -55,9 +58,14 @@ def _bar() -> Iterator[Report]:
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
+    errors: Any = Unread(sys.stderr)
     columns = (TextColumn("{task.description}"), BarColumn(bar_width=None), TimeRemainingColumn())
     with Bar(
-        *columns, console=Console(file=sys.stderr, force_terminal=True), transient=True, auto_refresh=False, expand=True
+        *columns,
+        console=Console(file=errors, force_terminal=True),
+        transient=True,
+        auto_refresh=False,
+        expand=True,
     ) as bar:
         row, stage, shown = bar.add_task("preparing", total=None), "", -REFRESHED
         bar.refresh()

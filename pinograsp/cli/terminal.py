@@ -7,6 +7,7 @@ import os
 import shutil
 import sys
 import textwrap
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..disk import json_text, reason_of
-from ..errors import FileError
+from ..errors import CacheWarning, FileError
 from .reporters import reporter
+from .unread import unread
 
 if TYPE_CHECKING:
     from ..progress import Report
@@ -32,6 +34,7 @@ class Terminal:
 
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self._as_json, self._quiet = as_json, quiet
+        _warn_by(self)
 
     @property
     def width(self) -> int:
@@ -74,9 +77,8 @@ class Terminal:
 
 
 def fail(line: str) -> None:
-    """Write the line of an error, where there is anything to write it to."""
-    with contextlib.suppress(FileError):
-        _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
+    """Write the line of an error."""
+    _write(f"{typer.style('error:', fg='red', bold=True)} {line}", error=True)
 
 
 @contextmanager
@@ -90,32 +92,37 @@ def spelled_streams() -> Iterator[None]:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=spelled.__name__)
-    try:
+    for number in range(3):  # a file that is opened must not become standard output, where that was closed
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    with warnings.catch_warnings():
         yield
-    finally:
-        for stream in (sys.stdout, sys.stderr):
-            if stream is not None:
-                with _unread(stream):
-                    stream.flush()
 
 
 def _write(text: str, error: bool = False) -> None:
     stream = sys.stderr if error else sys.stdout
     try:
-        with _unread(stream):
+        with unread(stream):
             typer.echo(text, file=stream)
     except OSError as problem:
-        name = "standard error" if error else "standard output"
-        raise FileError(f"cannot be written: {reason_of(problem)}", key=name) from None
+        raise FileError(f"cannot be written: {reason_of(problem)}", key="standard output") from None
 
 
-@contextmanager
-def _unread(stream: Any) -> Iterator[None]:
-    """Go on without a reader if there is none any more: of `pinograsp plan ... | head` the files are written, too."""
-    try:
-        yield
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+def _warn_by(terminal: Terminal) -> None:
+    """Have a terminal show the warnings of the library, in place of Python's lines about its source."""
+    python = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **rest: Any) -> None:
+        if issubclass(category, CacheWarning):
+            terminal.warn(str(message))
+        else:
+            python(message, category, *place, **rest)
+
+    warnings.simplefilter("always", CacheWarning)
+    showing: Any = show
+    warnings.showwarning = showing
 
 
 def _is_terminal(stream: Any) -> bool:

@@ -32,13 +32,24 @@ from ..errors import (
     whole_number,
 )
 from ..execution import own_workers
+from ..interrupts import held
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
 from .identity import Identity
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
 from .spread import Spread
-from .store import Database, columns, create, create_tables, interruptible, require_identity, set_metadata
+from .store import (
+    Database,
+    aside,
+    columns,
+    create,
+    create_tables,
+    interruptible,
+    require_identity,
+    set_metadata,
+    writing,
+)
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
@@ -76,7 +87,8 @@ def build_database(
         The database, open for reading. It has no row if none of `HOPELESS` batches of samples is free of collision.
 
     Raises:
-        FileError: the file is no database, or cannot be written.
+        FileError: the file is no database.
+        UnwritableError: it cannot be written, as where the disk is full; whole batches stay.
         DatabaseMismatchError: it is one for another robot, enclosure, margin, seed or spread.
         InputError: a number is out of range, or there is no such spread.
     """
@@ -94,11 +106,13 @@ def build_database(
     prepare = partial(BatchSampler, robot, scene, margins, seed, spread)
     pace = _Pace(size, progress)
     link_bodies(robot, progress)
-    with interruptible(), building(path, wait=wait), processes as pool:
-        _open(path, identity, seed, spread).close()
+    with held(), interruptible(), building(path, wait=wait), processes as pool:
+        with writing(path):
+            _open(path, identity, seed, spread).close()
         while missing := _missing_batches(path, size):
             _add(path, pool.run(prepare, missing, chunk=1), pace)
-        _finish(path, size, pace)
+        with writing(path):
+            _finish(path, size, pace)
     return Database.open(path)
 
 
@@ -108,9 +122,11 @@ def _add(path: Path, batches: Generator[Batch], pace: _Pace) -> None:
         # Wait for the first before the file is opened: workers must not be forked with DuckDB's threads.
         first = next(batches)
         with Database.open(path, read_only=False) as database:
-            set_metadata(database, "layout", "unsorted")
+            with writing(path):
+                set_metadata(database, "layout", "unsorted")
             for batch in itertools.chain([first], batches):
-                _insert(database, batch)
+                with writing(path):
+                    _insert(database, batch)
                 pace.step(batch.accepted, database)
 
 
@@ -196,31 +212,31 @@ def _insert(database: Database, batch: Batch) -> None:
 
 def _finish(path: Path, size: int, pace: _Pace) -> None:
     """Write the rows that `size` needs, sorted, to a new file in the place of the old one; or leave that as it is."""
-    with Database.open(path, read_only=False) as database:
-        if database.metadata()["layout"] == "sorted":
-            return
-        accepted = dict(database.select("SELECT batch, accepted FROM batches"))
-        needed = _needed(accepted, size)
-        if needed is None:
-            return
-        pace.sorting(sum(accepted[batch] for batch in range(needed)))
-        joints = len(database.joints())
-        listed = ", ".join(columns(joints))
-        sorting = path.with_name(path.name + ".sorting")
-        sorting.unlink(missing_ok=True)
-        connection = database.connection
-        connection.execute(f"ATTACH '{_quoted(sorting)}' AS sorted")
-        create_tables(connection, joints, "sorted.")
-        database.select(
-            f"INSERT INTO sorted.configurations SELECT {listed} FROM configurations "
-            f"WHERE sample < {needed} * {DRAWS}::BIGINT ORDER BY cell, sample"
-        )
-        connection.execute(f"INSERT INTO sorted.batches SELECT * FROM batches WHERE batch < {needed} ORDER BY batch")
-        connection.execute("INSERT INTO sorted.metadata SELECT * FROM metadata")
-        for key, value in (("layout", '"sorted"'), ("size", str(size))):
-            connection.execute("UPDATE sorted.metadata SET value = ? WHERE key = ?", [value, key])
-        connection.execute("DETACH sorted")
-    sorting.replace(path)
+    with aside(path, ".sorting") as sorting:
+        with Database.open(path, read_only=False) as database:
+            if database.metadata()["layout"] == "sorted":
+                return
+            accepted = dict(database.select("SELECT batch, accepted FROM batches"))
+            needed = _needed(accepted, size)
+            if needed is None:
+                return
+            pace.sorting(sum(accepted[batch] for batch in range(needed)))
+            joints = len(database.joints())
+            listed = ", ".join(columns(joints))
+            connection = database.connection
+            connection.execute(f"ATTACH '{_quoted(sorting)}' AS sorted")
+            create_tables(connection, joints, "sorted.")
+            database.select(
+                f"INSERT INTO sorted.configurations SELECT {listed} FROM configurations "
+                f"WHERE sample < {needed} * {DRAWS}::BIGINT ORDER BY cell, sample"
+            )
+            kept = f"SELECT * FROM batches WHERE batch < {needed} ORDER BY batch"
+            connection.execute(f"INSERT INTO sorted.batches {kept}")
+            connection.execute("INSERT INTO sorted.metadata SELECT * FROM metadata")
+            for key, value in (("layout", '"sorted"'), ("size", str(size))):
+                connection.execute("UPDATE sorted.metadata SET value = ? WHERE key = ?", [value, key])
+            connection.execute("DETACH sorted")
+        sorting.replace(path)
 
 
 def _quoted(path: Path) -> str:

@@ -1,18 +1,26 @@
-"""Small databases in the user's cache folder, for plans that are given none."""
+"""Small databases in the user's cache folder, for plans that are given none.
+
+Any number of processes share them. One builds at a time, in a file beside, and the others wait; under its name a
+database is complete. Plans read copies of their own: so nobody who has the file open, be it for writing, is in the way
+of a plan, nor a plan in anybody's.
+"""
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from pathlib import Path
 
+from ..cache_folder import cache_folders, in_cache
 from ..descriptions import Scene
 from ..descriptions.task import Margins
-from ..disk import cache_folder, is_file, reason_of
+from ..disk import is_file
 from ..errors import FileError, InputError
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
 from .build import build_database
 from .identity import Identity
+from .lock import building
 from .store import Database, require_identity
 
 SIZE = 100_000
@@ -32,37 +40,44 @@ def cached_database(
 
     Raises:
         InputError: the cached file is damaged; the message names it, so that it can be deleted. Or it is not there, and
-            the cache folder cannot be written.
+            neither the cache folder nor a temporary one can be written.
     """
     identity = Identity.of(robot, scene, margins)
-    file = cache_folder() / f"{robot.description.name}-{identity.digest[:16]}.duckdb"
-    there = _complete(file, identity)
-    if there is not None:
-        return there
-    _require_writable(file.parent)
-    return build_database(
-        robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
-    )
+    name = f"{robot.description.name}-{identity.digest[:16]}.duckdb"
+
+    def built(folder: Path) -> Database:
+        file, unfinished = folder / name, folder / f".{name}.unfinished"
+        with building(file, wait=True):
+            if (there := _there(file, identity)) is not None:  # another process has built it meanwhile
+                return there
+            build_database(
+                robot,
+                scene,
+                unfinished,
+                size=SIZE,
+                seed=SEED,
+                margins=margins,
+                workers=workers,
+                wait=True,
+                progress=progress,
+            ).close()
+            unfinished.replace(file)
+        return _copied(file)
+
+    for folder in cache_folders():
+        if (there := _there(folder / name, identity)) is not None:
+            return there
+    return in_cache(built)
 
 
-def _require_writable(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        problem = f"the cache folder cannot be written: {reason_of(error)}"
-        remedy = "Set PINOGRASP_CACHE to a folder that can, or give a database"
-        raise FileError(problem, file=folder, remedy=remedy) from None
-
-
-def _complete(file: Path, identity: Identity) -> Database | None:
-    """Return the database of a file, or None if it is not there or not complete."""
+def _there(file: Path, identity: Identity) -> Database | None:
+    """Return the database of a file, or None if it is not there, or not complete: left so by an older version."""
     if not is_file(file):
         return None
-    database = Database.open(file)
+    database = _copied(file)
     try:
         require_identity(database, identity)
-        complete = database.metadata()["layout"] == "sorted"
+        complete = database.metadata()["layout"] == "sorted" or not database.rows()
     except InputError:
         database.close()
         raise
@@ -70,3 +85,15 @@ def _complete(file: Path, identity: Identity) -> Database | None:
         return database
     database.close()
     return None
+
+
+def _copied(file: Path) -> Database:
+    """Open a copy, which is gone when it is closed; where there is no room for one, the file itself."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:  # the system keeps the content while it is open
+            copy = shutil.copyfile(file, Path(folder) / file.name)
+            return Database(file, Database.open(copy).connection)
+    except OSError:
+        return Database.open(file)
+    except FileError as error:
+        raise type(error)(error.problem, file=file, remedy=error.remedy) from None

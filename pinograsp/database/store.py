@@ -22,7 +22,8 @@ import duckdb
 from numpy.typing import NDArray
 
 from ..disk import as_path, is_file, is_folder, reason_of, written_whole
-from ..errors import DatabaseMismatchError, FileError
+from ..errors import DatabaseMismatchError, FileError, UnwritableError
+from ..interrupts import heard
 from .identity import Identity
 
 Answer = TypeVar("Answer")
@@ -141,7 +142,8 @@ class Database:
         with interruptible(), ThreadPoolExecutor(1) as thread:
             running = thread.submit(query)
             try:
-                return running.result()
+                with heard():
+                    return running.result()
             except KeyboardInterrupt:
                 while not wait([running], AGAIN).done:
                     self.connection.interrupt()
@@ -182,12 +184,13 @@ class Database:
         The file is there whole or not at all.
 
         Raises:
-            FileError: the file cannot be written.
+            UnwritableError: the file cannot be written.
         """
         names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
         rows = f"SELECT {names}, {others} FROM configurations"
-        with written_whole(as_path("file", file)) as unfinished:
+        path = as_path("file", file)
+        with written_whole(path) as unfinished, writing(path):
             target = str(unfinished).replace("'", "''")
             self.select(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
 
@@ -218,12 +221,44 @@ def interruptible() -> Iterator[None]:
         raise KeyboardInterrupt from None
 
 
+@contextmanager
+def writing(file: Path) -> Iterator[None]:
+    """Say in words what DuckDB, or the system, cannot write in the block.
+
+    Raises:
+        UnwritableError: as where the disk is full.
+    """
+    try:
+        yield
+    except (duckdb.IOException, duckdb.FatalException, duckdb.TransactionException, OSError) as error:
+        said = reason_of(error) if isinstance(error, OSError) else str(error).strip().splitlines()[0].lower()
+        reason = next((known for known in ("no space left on device", "file too large") if known in said), said)
+        raise UnwritableError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None
+
+
 def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:
     """Create the three tables, in an attached catalog if one is named (`name.`)."""
     listed = ", ".join(f"{name} {kind}" for name, kind in columns(joints).items())
     connection.execute(f"CREATE TABLE {catalog}configurations ({listed})")
     connection.execute(f"CREATE TABLE {catalog}batches (batch INTEGER PRIMARY KEY, drawn INTEGER, accepted INTEGER)")
     connection.execute(f"CREATE TABLE {catalog}metadata (key VARCHAR PRIMARY KEY, value VARCHAR)")
+
+
+@contextmanager
+def aside(file: Path, suffix: str) -> Iterator[Path]:
+    """Give a path beside a database for a new one; what a failure leaves there is removed."""
+    path = file.with_name(file.name + suffix)
+    parts = (path, path.with_name(path.name + ".wal"))
+
+    def remove() -> None:
+        for part in parts:
+            part.unlink(missing_ok=True)
+
+    remove()
+    try:
+        yield path
+    finally:
+        remove()
 
 
 def create(file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
@@ -235,15 +270,14 @@ def create(file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
         facts: further metadata, data for JSON.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(file.name + ".partial")
-    partial.unlink(missing_ok=True)
-    with duckdb.connect(str(partial)) as connection:
-        create_tables(connection, len(identity.robot["joints"]))
-        facts = {"application": APPLICATION, "format": FORMAT, **facts}
-        rows = [(key, json.dumps(value)) for key, value in facts.items()]
-        rows.append(("identity", identity.to_json()))
-        connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
-    partial.replace(file)
+    with aside(file, ".partial") as partial:
+        with duckdb.connect(str(partial)) as connection:
+            create_tables(connection, len(identity.robot["joints"]))
+            facts = {"application": APPLICATION, "format": FORMAT, **facts}
+            rows = [(key, json.dumps(value)) for key, value in facts.items()]
+            rows.append(("identity", identity.to_json()))
+            connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
+        partial.replace(file)
     return Database.open(file, read_only=False)
 
 

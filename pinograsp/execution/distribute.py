@@ -16,6 +16,7 @@ from queue import SimpleQueue
 from typing import Any, NoReturn, Protocol, TypeVar
 
 from ..errors import WorkerLostError
+from ..interrupts import heard, taken
 from .packed import Packed
 
 Item = TypeVar("Item")
@@ -82,10 +83,14 @@ def distribute(
 def _landed(
     submit: Submit, width: float, packed: Packed[Any], chunks: Sequence[Sequence[Item]], attempt: int
 ) -> Generator[tuple[Sequence[Item], Future[bytes]]]:
-    """Yield chunks with their future as these are done; closed, cancel what has not begun."""
+    """Yield chunks with their future as these are done; closed, cancel what has not begun.
+
+    Ctrl-C cancels it as well, and is raised after what is done by workers that do not know of it.
+    """
     waiting = iter(chunks)
     flying: dict[Future[bytes], Sequence[Item]] = {}
     landed: SimpleQueue[Future[bytes]] = SimpleQueue()
+    interrupt: KeyboardInterrupt | None = None
 
     def fill() -> None:
         while len(flying) < width and (some := next(waiting, None)) is not None:
@@ -96,10 +101,25 @@ def _landed(
     try:
         fill()
         while flying:
-            future = landed.get()
+            try:
+                with heard():
+                    future = landed.get()
+            except KeyboardInterrupt as again:
+                if interrupt:
+                    raise
+                taken()
+                interrupt = again
+                for begun in tuple(flying):
+                    begun.cancel()
+                continue
             some = flying.pop(future)
-            fill()  # before the outcomes are looked at: workers must not wait for whoever consumes them
+            if interrupt is None:
+                fill()  # before the outcomes are looked at: workers must not wait for whoever consumes them
+            elif _error(future):
+                continue
             yield some, future
+        if interrupt:
+            raise interrupt
     finally:
         for future in flying:
             future.cancel()

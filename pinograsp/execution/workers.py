@@ -5,20 +5,18 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
-import signal
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from types import FrameType
 from typing import Any, Protocol, Self, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from ..errors import whole_number
+from ..errors import WorkerLostError, whole_number
+from ..interrupts import forget, heard, held
 from .distribute import distribute, refuse
 from .packed import Packed, run_chunk
 
@@ -53,7 +51,8 @@ class Workers(Protocol):
             WorkerLostError: by default, for such an item; also if workers die whatever they are given.
             Exception: whatever `prepare` or the handler raises.
 
-        Closing the generator, as an exception such as KeyboardInterrupt does, drops what has not begun.
+        Closing the generator, as an exception does, drops what has not begun. Where Ctrl-C ends it, what has begun is
+        waited for, and its outcomes come before KeyboardInterrupt; a second Ctrl-C ends that, too.
         """
 
     def __enter__(self) -> Self: ...
@@ -74,7 +73,12 @@ class ThisProcess:
         chunk: int = 8,
         lost: Callable[[Item, str], Outcome] = refuse,
     ) -> Generator[Outcome]:
-        yield from map(prepare(), items)
+        with heard():
+            handle = prepare()
+        for item in items:
+            with heard():
+                outcome = handle(item)
+            yield outcome
 
     def __enter__(self) -> Self:
         return self
@@ -146,11 +150,19 @@ class Processes(_Distributing):
         self._pool: ProcessPoolExecutor | None = None
 
     def begin(self) -> None:
+        """Begin them.
+
+        Raises:
+            WorkerLostError: they end at once, and those that are begun in their place, too.
+        """
         try:
             self._sent(os.getpid).result()
         except BrokenProcessPool:  # one of them died since the last run
             self._end()
-            self._sent(os.getpid).result()
+            try:
+                self._sent(os.getpid).result()
+            except BrokenProcessPool:
+                raise WorkerLostError("worker processes ended as soon as they had begun, twice") from None
 
     def _submit(self, packed: Packed[Any], items: Sequence[Any], attempt: int) -> Future[bytes]:
         try:
@@ -161,7 +173,7 @@ class Processes(_Distributing):
 
     def _sent(self, call: Callable[..., Outcome], *given: object) -> Future[Outcome]:
         """Submit a call; the first one begins the processes, and the thread that feeds and ends them."""
-        with _whole():
+        with held():  # processes that no thread feeds yet would never end, nor who waits for them
             if self._pool is None:
                 method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
                 self._pool = ProcessPoolExecutor(self._count, multiprocessing.get_context(method), _begin)
@@ -183,28 +195,8 @@ def own_workers(count: int | None = None) -> Workers:
     return ThisProcess() if count == 1 else Processes(count)
 
 
-@contextmanager
-def _whole() -> Iterator[None]:
-    """Keep Ctrl-C until the block is done: processes that no thread feeds yet would never end, nor who waits for them.
-
-    A process that is forked in the block keeps it, too, until `_begin` has it ignored.
-    """
-    if threading.current_thread() is not threading.main_thread():  # Ctrl-C ends nothing here
-        yield
-        return
-    came: list[tuple[int, FrameType | None]] = []
-    before = signal.signal(signal.SIGINT, lambda *given: came.append(given))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if came and callable(before):
-            before(*came[0])
-
-
 def _begin() -> None:
-    # Ctrl-C reaches the whole process group; only the parent acts on it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    forget()  # Ctrl-C reaches the whole process group; only the parent acts on it
     threading.Thread(target=_die_with_parent, args=(os.getppid(),), daemon=True).start()
     threadpool_limits(1)  # the processes are the parallelism: BLAS threads would only compete with them
 

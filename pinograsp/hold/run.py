@@ -12,6 +12,7 @@ from typing import Any
 
 from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
+from ..interrupts import heard, taken
 from ..progress import Progress, Report, no_report
 from ..results import Grasp, Result, Setup
 from ..verification.resistance import Q_FORCE
@@ -59,7 +60,8 @@ def hold_test(
         whole_number("best", best, 1)
     require_report(progress)
     options, processes = given_options(options), own_workers(workers)
-    mujoco()
+    with heard():
+        mujoco()
     numbered = list(enumerate(in_order(grasps)[:best], 1))
     outcomes: list[HoldOutcome] = []
     try:
@@ -69,7 +71,7 @@ def hold_test(
                 held = sum(done.held for done in outcomes)
                 progress(Progress("grasps", len(outcomes), len(numbered), {"held": held}))
     except KeyboardInterrupt:
-        pass
+        taken()
     return tuple(sorted(outcomes, key=lambda outcome: outcome.grasp))
 
 

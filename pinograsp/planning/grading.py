@@ -9,6 +9,7 @@ from functools import partial
 
 from ..descriptions import Scene
 from ..execution import Workers
+from ..interrupts import taken
 from ..kinematics.robot import Robot
 from ..problem import TaskModel
 from ..progress import Progress, Report, no_report
@@ -48,6 +49,7 @@ def all_graded(
                 found[number] = figures
                 report(Progress("resistance", len(found), len(items)))
     except KeyboardInterrupt:
+        taken()
         whole = False
     return ordered([_with(grasp, found.get(number, ())) for number, grasp in enumerate(grasps)]), whole
 

@@ -103,7 +103,7 @@ class Run:
             grasps=grasps,
             starts=self.starts,
             counts={outcome: outcomes[outcome] for outcome in get_args(Outcome)},
-            verified=self.verified,
+            verified=sum(1 for attempt in attempts if attempt.grasp),
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
             interrupted=self.interrupted,

@@ -22,6 +22,7 @@ from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..errors import InputError, real_number, require_kind, require_report, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
+from ..interrupts import heard, taken
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
 from ..problem.proposals import Candidate, ContactPair, Proposals
@@ -174,17 +175,19 @@ class Planner:
         """
         starts, seed = whole_number("starts", starts, 1), whole_number("seed", seed, 0, None)
         began = time.perf_counter()
-        model, odd = self._checked(task)
-        candidates = self._candidates(model, seed)
-        run = Run(self._setup(task), self._robot.files, starts, odd)
-        run.facts = {"seed": seed, "options": self._options.to_json()}
-        self._evaluate_once(model, candidates)
+        with heard():
+            model, odd = self._checked(task)
+            candidates = self._candidates(model, seed)
+            run = Run(self._setup(task), self._robot.files, starts, odd)
+            run.facts = {"seed": seed, "options": self._options.to_json()}
+            self._evaluate_once(model, candidates)
         run.times["prepare"] = time.perf_counter() - began
         try:
-            self._workers.begin()
-            database = self._databases.of(self._scene, model.task.margin)
-            run.times["database"] = time.perf_counter() - began - run.times["prepare"]
-            postures = starts_near(database, model, starts, seed)
+            with heard():
+                self._workers.begin()
+                database = self._databases.of(self._scene, model.task.margin)
+                run.times["database"] = time.perf_counter() - began - run.times["prepare"]
+                postures = starts_near(database, model, starts, seed)
             run.facts["database"] = facts_of(database)
             run.count_starts(len(postures), model.task.start_radius)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
@@ -196,6 +199,7 @@ class Planner:
                     run.add(done)
                     self._report(run.progress(len(postures)))
         except KeyboardInterrupt:
+            taken()
             run.interrupted = True
         searched = time.perf_counter()
         grasps, whole = all_graded(run.distinct(), model, self._workers, self._report)
@@ -237,11 +241,13 @@ class Planner:
             InputError: as `plan`.
         """
         began, limits = time.perf_counter(), _Limits.of(most, deadline)
-        model, odd = self._checked(task)
+        with heard():
+            model, odd = self._checked(task)
         run = Run(self._setup(task), self._robot.files, NEAREST, odd)
         run.facts = {"most": most, "deadline": deadline, "options": self._quick.to_json()}
         try:
-            items = self._nearest(model)
+            with heard():
+                items = self._nearest(model)
             run.facts["database"] = facts_of(self._databases.of(self._scene, model.task.margin))
             run.starts = len(items)
             run.times["prepare"] = time.perf_counter() - began
@@ -250,6 +256,7 @@ class Planner:
                 self._report(run.progress(len(items)))
             run.count_tried(deadline)
         except KeyboardInterrupt:
+            taken()
             run.interrupted = True
         run.times["total"] = time.perf_counter() - began
         return run.result(run.distinct())
@@ -348,18 +355,21 @@ class Planner:
 
     def _tried(self, model: TaskModel, items: Sequence[Item], limits: _Limits) -> Iterator[Attempt]:
         """Yield what becomes of one start after the other, within limits; grasps have all their figures."""
-        solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
+        with heard():
+            solver, verifier = LocalSolver(model, self._quick), verifier_of(model)
         setup = self._setup(model.task_name)
         bound, found = (1.0 + AT_THE_BOUND) * self._bounds[model.task_name], 0
         for item in items:
             if time.perf_counter() > limits.end:
                 return
-            done = attempt(solver, verifier, item)
+            with heard():
+                done = attempt(solver, verifier, item)
+                if done.grasp is not None:
+                    done = replace(done, grasp=replace(graded(done.grasp, verifier), setup=setup))
+            yield done
             if done.grasp is None:
-                yield done
                 continue
             found += 1
-            yield replace(done, grasp=replace(graded(done.grasp, verifier), setup=setup))
             if found == limits.most or bound >= done.grasp.cost.U:
                 return
 
