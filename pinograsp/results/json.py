@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..disk import as_path, json_of, json_text, write_whole
-from ..errors import FileError, InputError, require_kind
+from ..errors import DamagedError, FileError, InputError, require_kind
 from .decoding import decode
 from .encoding import FORMAT_VERSION, encode
 from .result import Result
@@ -39,7 +39,8 @@ def read_json(file: Path | str) -> Result:
     what was changed.
 
     Raises:
-        FileError: the file is missing, is no JSON, is of another format, or is damaged; the message names the key.
+        FileError: the file is missing, is no JSON, or is of another format.
+        DamagedError: (a `FileError`) it is damaged; the message names the key.
     """
     file = as_path("file", file)
     data = json_of(file)
@@ -55,4 +56,4 @@ def read_json(file: Path | str) -> Result:
     try:
         return decode(data)
     except InputError as error:
-        raise FileError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None
+        raise DamagedError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None
