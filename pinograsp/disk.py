@@ -9,13 +9,15 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import IO, Any, NoReturn
 
 from .errors import FileError, UnwritableError, require_kind
 from .interrupts import held
 
 LARGEST = 2**30
 """Bytes of a file that is read whole."""
+PIECE = 2**20
+"""Bytes that are read at once."""
 DEEPEST = 64
 """Levels of JSON data."""
 
@@ -42,7 +44,7 @@ def content_of(file: Path, most: int = LARGEST) -> bytes:
     """
     try:
         with file.open("rb") as opened:
-            content = opened.read(most + 1)
+            content = b"".join(_pieces(opened, most))
     except OSError as error:
         raise FileError(f"cannot be read: {reason_of(error)}", file=file, remedy="Check the path") from None
     except ValueError as error:  # a name that no file can have
@@ -51,6 +53,14 @@ def content_of(file: Path, most: int = LARGEST) -> bytes:
         problem = f"has more than {most:_} bytes".replace("_", " ")
         raise FileError(problem, file=file, remedy="Check the path: no such file is that large")
     return content
+
+
+def _pieces(opened: IO[bytes], most: int) -> Iterator[bytes]:
+    """Yield what is in a file, and of one with more than `most` bytes little more: to read n takes memory for n."""
+    there = 0
+    while there <= most and (piece := opened.read(PIECE)):
+        there += len(piece)
+        yield piece
 
 
 def json_of(file: Path) -> Any:
