@@ -62,7 +62,7 @@ class Kind:
 @cache
 def sources(folder: Path) -> dict[str, list[Path]]:
     """Return what is mutated of kinds that are not shipped: made once, by `prepare`."""
-    return {kind.name: sorted(kind.iterdir()) for kind in folder.iterdir()}
+    return {kind.name: sorted(kind.glob("[!.]*")) for kind in folder.iterdir()}
 
 
 def prepare(folder: Path) -> None:
