@@ -297,12 +297,14 @@ def test_damaged_machine_code_is_compiled_anew(
 # ---- Everything at random.
 
 
-def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path) -> None:
+def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A few of the inputs of `tools/fuzz.py`; robots, results and databases need sources, which the slow run makes."""
     found: Counter[str] = Counter()
+    fuzz_kinds.warm(tmp_path)
     for kind in ("scene", "cache"):
         home = tmp_path / kind
         home.mkdir()
+        monkeypatch.setenv("PINOGRASP_CACHE", str(home / "cache"))
         for _, outcome in fuzz.run(kind, 0, range(100), home):
             found[outcome] += 1
     assert found.keys() == {"used", "refused"}, found

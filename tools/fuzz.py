@@ -201,6 +201,8 @@ def fuzz(kinds: list[str], inputs: int, seed: int, out: Path) -> dict[str, Count
     """
     found: dict[str, Counter[str]] = {kind: Counter() for kind in kinds}
     with tempfile.TemporaryDirectory() as name, prepared(Path(name).resolve() / "sources"):
+        with tempfile.TemporaryDirectory() as sound:
+            fuzz_kinds.warm(Path(sound))
         for place, kind in enumerate(kinds):
             home = Path(name).resolve() / "home"
             home.mkdir()

@@ -82,6 +82,26 @@ def prepare(folder: Path) -> None:
         (folder / "mesh" / f"box.{suffix}").write_bytes(content)
 
 
+def warm(folder: Path) -> None:
+    """Use sound inputs, so that libraries are loaded and functions compiled before time counts; opens no database."""
+    for number in range(20):
+        rng = random.Random(number)
+        (folder / "scene.yaml").write_text(yaml.safe_dump(random_scene(rng)))
+        with contextlib.suppress(pinograsp.PinograspError):  # bodies may lie in each other
+            use_scene(folder)
+    urdf, tree = random_robot(random.Random(0))
+    (folder / "toy.urdf").write_text(urdf)
+    (folder / "robot.yaml").write_text(yaml.safe_dump(tree))
+    use_robot(folder)
+    for source in sources(Path(SOURCES[0]))["mesh"] if SOURCES else ():
+        shutil.copy(source, folder / f"body{source.suffix}")
+        (folder / "scene.yaml").write_text(yaml.safe_dump(_with_mesh(random_scene(rng), f"body{source.suffix}", "m")))
+        use_mesh(folder)
+    for source in sources(Path(SOURCES[0]))["result"] if SOURCES else ():
+        shutil.copy(source, folder / "result.json")
+        use_result(folder)
+
+
 def _meshes() -> dict[str, bytes]:
     """Return a box in every format that is small enough to be written here."""
     corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.04, 0.04)])
@@ -261,11 +281,14 @@ def make_mesh(folder: Path, rng: random.Random) -> None:
         words[rng.randrange(len(words))] = rng.choice(["nan", "inf", "1e300", "-1", "99", "", "1.5", "x", "1e-300", "\n"])
         content = " ".join(words).encode()
     file.write_bytes(mutate_bytes(content, rng) if rng.random() < 0.6 else content)
-    tree = random_scene(rng)
-    body = tree["objects"]["object 0"]
-    body["shape"] = {"type": "mesh", "file": file.name, "unit": rng.choice(("m", "mm"))}
-    tree["tasks"]["task"].pop("allowed_contacts", None)
+    tree = _with_mesh(random_scene(rng), file.name, rng.choice(("m", "mm")))
     (folder / "scene.yaml").write_text(yaml.safe_dump(tree))
+
+
+def _with_mesh(scene: dict[str, Any], file: str, unit: str) -> dict[str, Any]:
+    scene["objects"]["object 0"]["shape"] = {"type": "mesh", "file": file, "unit": unit}
+    scene["tasks"]["task"].pop("allowed_contacts", None)
+    return scene
 
 
 def use_mesh(folder: Path) -> None:
