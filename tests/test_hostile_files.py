@@ -12,16 +12,15 @@ from types import ModuleType
 from typing import Any
 
 import duckdb
-import fuzz
-import fuzz_kinds
-import numpy as np
 import pytest
-from fuzz_mutations import NUMBERS, OTHERS, TEXTS
 from hypothesis import given
 from hypothesis import strategies as st
 
+import fuzz
+import fuzz_kinds
 import pinograsp
-from pinograsp import DamagedError, Database, FileError, InputError, Margins, PinograspError, Pose, Result, Robot, Scene
+from fuzz_mutations import NUMBERS, OTHERS, TEXTS
+from pinograsp import DamagedError, Database, FileError, InputError, Margins, Pose, Result, Robot, Scene
 from pinograsp.compiled import compiling
 from pinograsp.database import cache as cache_module
 from pinograsp.database.cache import cached_database
@@ -195,7 +194,7 @@ def test_rows_that_are_no_numbers_are_refused(value: str, small: Path, tmp_path:
 
 
 def test_names_of_joints_are_no_sql(small: Path, tmp_path: Path) -> None:
-    name = 'a", (SELECT content FROM read_text(\'/etc/hostname\')) AS "b'
+    name = "a\", (SELECT content FROM read_text('/etc/hostname')) AS \"b"
     with duckdb.connect(str(small), read_only=True) as connection:
         [(text,)] = connection.execute("SELECT value FROM metadata WHERE key = 'identity'").fetchall()
     identity = json.loads(text)
@@ -271,9 +270,7 @@ def module_of(file: Path) -> ModuleType:
 
 
 @pytest.mark.parametrize("suffix", ["nbi", "nbc"])
-def test_damaged_machine_code_is_compiled_anew(
-    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_damaged_machine_code_is_compiled_anew(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     (tmp_path / "damaged_module.py").write_text(SOURCE)
 

@@ -31,7 +31,6 @@ from typing import Any
 
 import fuzz_kinds
 from fuzz_kinds import KINDS
-
 from pinograsp import PinograspError, cli
 from pinograsp.tables import Table
 
@@ -97,7 +96,9 @@ def _watched(home: Path) -> None:
     def look(event: str, arguments: tuple[Any, ...]) -> None:
         if event not in _WRITES or not arguments or not isinstance(arguments[0], str | bytes | os.PathLike):
             return
-        if event == "open" and not (isinstance(arguments[2], int) and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)):
+        if event == "open" and not (
+            isinstance(arguments[2], int) and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+        ):
             return
         path = os.path.realpath(os.fsdecode(arguments[0]))
         if "__pycache__" in path:  # what Numba and Python keep
@@ -211,7 +212,9 @@ def fuzz(kinds: list[str], inputs: int, seed: int, out: Path) -> dict[str, Count
             for number, outcome in run(kind, seed, numbers, home):
                 found[kind][outcome] += 1
                 if outcome not in OUTCOMES:
-                    shutil.copytree(home / f"{kind}-{seed}-{number}", out / f"{kind}-{seed}-{number}", dirs_exist_ok=True)
+                    shutil.copytree(
+                        home / f"{kind}-{seed}-{number}", out / f"{kind}-{seed}-{number}", dirs_exist_ok=True
+                    )
             shutil.rmtree(home)
     return found
 

@@ -22,10 +22,10 @@ from typing import Any
 import duckdb
 import numpy as np
 import yaml
-from fuzz_mutations import mutate_bytes, mutate_tree, mutate_xml
-from fuzz_toy import random_robot
 
 import pinograsp
+from fuzz_mutations import mutate_bytes, mutate_tree, mutate_xml
+from fuzz_toy import random_robot
 from pinograsp.array_cache import kept
 from pinograsp.cache_folder import cache_folders
 from pinograsp.database.query import configurations_near, spread_configurations
@@ -105,7 +105,18 @@ def warm(folder: Path) -> None:
 def _meshes() -> dict[str, bytes]:
     """Return a box in every format that is small enough to be written here."""
     corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.04, 0.04)])
-    faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4)]
+    faces = [
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+    ]
     faces += [(1, 5, 7), (1, 7, 3)]
     points = [" ".join(map(repr, corner)) for corner in corners.tolist()]
     obj = "\n".join([*(f"v {p}" for p in points), *("f " + " ".join(str(i + 1) for i in face) for face in faces)])
@@ -178,7 +189,9 @@ def random_scene(rng: random.Random) -> dict[str, Any]:
         "name": "random",
         "enclosure": {"min": [0.0, -0.5, -0.5], "max": [1.2, 0.5, 0.5]},
         "obstacles": {f"obstacle {i}": {"shape": shape(), "pose": pose()} for i in range(rng.randrange(3))},
-        "objects": {f"object {i}": {"shape": shape(), "pose": pose(), "mass": 0.2} for i in range(1 + rng.randrange(2))},
+        "objects": {
+            f"object {i}": {"shape": shape(), "pose": pose(), "mass": 0.2} for i in range(1 + rng.randrange(2))
+        },
     }
     task = {"object": "object 0", "contact": {"friction": _number(rng, 0.1, 1.5)}}
     if rng.random() < 0.5:
@@ -218,7 +231,6 @@ def use_scene(folder: Path) -> None:
 
 
 # ---- Robots.
-
 
 
 def make_robot(folder: Path, rng: random.Random) -> None:
@@ -278,7 +290,9 @@ def make_mesh(folder: Path, rng: random.Random) -> None:
     content = source.read_bytes()
     if rng.random() < 0.5 and not source.name.endswith("bin.stl"):
         words = content.decode().split(" ")
-        words[rng.randrange(len(words))] = rng.choice(["nan", "inf", "1e300", "-1", "99", "", "1.5", "x", "1e-300", "\n"])
+        words[rng.randrange(len(words))] = rng.choice(
+            ["nan", "inf", "1e300", "-1", "99", "", "1.5", "x", "1e-300", "\n"]
+        )
         content = " ".join(words).encode()
     file.write_bytes(mutate_bytes(content, rng) if rng.random() < 0.6 else content)
     tree = _with_mesh(random_scene(rng), file.name, rng.choice(("m", "mm")))
@@ -327,7 +341,10 @@ def make_database(folder: Path, rng: random.Random) -> None:
     if rng.random() < 0.3:
         file.write_bytes(mutate_bytes(file.read_bytes(), rng))
         return
-    with duckdb.connect(str(file)) as connection, contextlib.suppress(duckdb.Error):  # not all that is tried can be done
+    with (
+        duckdb.connect(str(file)) as connection,
+        contextlib.suppress(duckdb.Error),
+    ):  # not all that is tried can be done
         _mutate_database(connection, rng)
 
 

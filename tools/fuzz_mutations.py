@@ -10,7 +10,14 @@ from typing import Any
 NUMBERS = [0, -0.0, 1, -1, 3, 90, 1e-300, 1e-12, 1e9, 1e16, 1e308, -1e308, 5e-324, 2**53, 2**64, 10**90, float("nan")]
 NUMBERS += [float("inf"), float("-inf")]
 TEXTS = ["", " ", "a\0b", "x" * 300, "../../x", "/etc/hostname", "/dev/null", "no", "1e3", "12:30", "\u202e", "~", "<<"]
-TEXTS += ['a", (SELECT 1) AS "b', "'; DROP TABLE configurations; --", "package://x/../../y.stl", "\ud7ff", "a.b[0]", "$x"]
+TEXTS += [
+    'a", (SELECT 1) AS "b',
+    "'; DROP TABLE configurations; --",
+    "package://x/../../y.stl",
+    "\ud7ff",
+    "a.b[0]",
+    "$x",
+]
 OTHERS: list[Any] = [None, True, False, [], {}, [[]], [0.0], [0.0] * 3, [0.0] * 4, {"type": "sphere", "radius": 0.03}]
 WORDS = ["nan", "inf", "", "1 2", "1 2 3 4", "1e400", "0 0 0", "-1", "x", "1e-300", "nan 0 0", "1e16 0 0"]
 Tree = Any
@@ -87,7 +94,9 @@ def mutate_xml(document: ET.Element, rng: random.Random) -> None:
                 others = [value for other in document.iter() for value in other.attrib.values()]
                 element.attrib[rng.choice(list(element.attrib))] = rng.choice(others)
             case _ if element.attrib:
-                element.attrib[rng.choice(list(element.attrib))] = rng.choice([*WORDS, *(t for t in TEXTS if "\0" not in t)])
+                element.attrib[rng.choice(list(element.attrib))] = rng.choice(
+                    [*WORDS, *(t for t in TEXTS if "\0" not in t)]
+                )
 
 
 def mutate_bytes(content: bytes, rng: random.Random) -> bytes:
@@ -105,7 +114,9 @@ def mutate_bytes(content: bytes, rng: random.Random) -> bytes:
         case 3:
             data[begin:end] = rng.randbytes(end - begin)
         case 4:
-            data[begin:begin] = rng.choice((b"[" * 3000, b"\0", b"&a ", b"*a", b"nan", b"1e999", b"9" * 5000, b"\xff\xfe"))
+            data[begin:begin] = rng.choice(
+                (b"[" * 3000, b"\0", b"&a ", b"*a", b"nan", b"1e999", b"9" * 5000, b"\xff\xfe")
+            )
         case _ if begin < len(data):
             data[begin] ^= 1 << rng.randrange(8)
     return bytes(data)

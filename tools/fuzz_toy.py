@@ -24,7 +24,13 @@ def random_robot(rng: random.Random) -> tuple[str, dict[str, Any]]:
         text.append(f'<link name="{side}">{_BOX.format(0.02, 0.01, 0.04)}</link>')
         mimic = _MIMIC.format(round(rng.uniform(0.8, 1.2), 2)) if side == "right" else ""
         text.append(_JOINT.format(f"slide_{side}", "prismatic", wrist, side, 0.2, f"{x} 0 0", 0.0, 0.08, mimic))
-    patch = {"type": "plane", "origin": [0.0, 0.0, 0.02], "x_axis": [0.0, 0.0, 1.0], "u": [-0.018, 0.018], "v": [-0.008, 0.008]}
+    patch = {
+        "type": "plane",
+        "origin": [0.0, 0.0, 0.02],
+        "x_axis": [0.0, 0.0, 1.0],
+        "u": [-0.018, 0.018],
+        "v": [-0.008, 0.008],
+    }
     robot = {
         "format": 1,
         "name": "toy",

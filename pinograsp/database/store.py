@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from ..disk import as_path, is_file, is_folder, reason_of, written_whole
 from ..descriptions.problems import input_error
+from ..disk import as_path, is_file, is_folder, reason_of, written_whole
 from ..errors import DamagedError, DatabaseMismatchError, FileError, UnwritableError
 from ..interrupts import heard
 from .identity import Identity, IdentityContent
@@ -165,7 +165,9 @@ class Database:
         Raises:
             DamagedError: there is one, or the rows cannot be read.
         """
-        angles = " AND ".join(f"isfinite({name})" for name, kind in columns(len(self.joints())).items() if kind == "FLOAT")
+        angles = " AND ".join(
+            f"isfinite({name})" for name, kind in columns(len(self.joints())).items() if kind == "FLOAT"
+        )
         if self.select(f"SELECT count(*) FROM configurations WHERE NOT coalesce({angles}, false)") != [(0,)]:
             raise DamagedError(NOT_FINITE, file=self.file)
 

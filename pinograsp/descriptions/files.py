@@ -15,7 +15,6 @@ from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
 from .yaml_core import Yaml, require_few_aliases
 
-
 LARGEST = 2**20
 """Bytes of a robot or scene file."""
 
