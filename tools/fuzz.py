@@ -4,9 +4,9 @@
     python tools/fuzz.py --again out/fuzz/scene-0-17 [--minimise]
 
 Each input is made from its kind, the seed and its number alone (`fuzz_kinds`). It may be refused by a `PinograspError`
-or be used; a failure is a traceback, a command that ends otherwise than with one line of error, a signal, more than 20 s,
-more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in the
-folder `--out`, each with the input and what happened.
+or be used; a failure is a traceback, a command that ends otherwise than with one line of error, a signal, more than
+20 s, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in
+the folder `--out`, each with the input and what happened.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ BATCH = 200
 COMMANDS = 0.03
 """Share of the inputs that a command reads, too."""
 _WRITES = {"open", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.truncate"}
+_TO_WRITE = os.O_WRONLY | os.O_RDWR | os.O_CREAT
 OUTCOMES = ("used", "refused")
 
 

@@ -1,7 +1,7 @@
 """The kinds of files that pinograsp reads: how a damaged one is made, and what a user does with it.
 
-A kind is an entry of `KINDS`: `make` writes the files of an input to a folder, `use` reads them as a user would and goes
-on with what was read. Whatever comes of that must be a `PinograspError`, or right.
+A kind is an entry of `KINDS`: `make` writes the files of an input to a folder, `use` reads them as a user would and
+goes on with what was read. Whatever comes of that must be a `PinograspError`, or right.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Structured mutations of trees of data, XML documents and bytes, each a function of what it changes and of a generator."""
+"""Structured mutations of trees of data, XML documents and bytes, from a generator of random numbers."""
 
 from __future__ import annotations
 

@@ -45,8 +45,9 @@ def cached_database(
     name = f"{robot.description.name}-{identity.digest[:16]}.duckdb"
 
     def build(file: Path) -> Database:
-        of = {"size": SIZE, "seed": SEED, "workers": workers}
-        return build_database(robot, scene, file, margins=margins, wait=True, progress=progress, **of)
+        return build_database(
+            robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
+        )
 
     def built(folder: Path) -> Database:
         file, unfinished = folder / name, folder / f".{name}.unfinished"

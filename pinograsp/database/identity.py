@@ -39,7 +39,7 @@ class RobotContent(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    joints: Annotated[list[str], Field(min_length=1)]
+    joints: Annotated[list[Annotated[str, Field(pattern="^[^\x00]+$")]], Field(min_length=1)]
 
 
 class EnclosureContent(BaseModel):

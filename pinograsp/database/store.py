@@ -54,9 +54,9 @@ METADATA = {"key": "VARCHAR", "value": "VARCHAR"}
 """Columns of `metadata` with their SQL types."""
 BATCHES = dict.fromkeys(("batch", "drawn", "accepted"), "INTEGER")
 """Columns of `batches` with their SQL types."""
-LIMITS = {"memory_limit": "2GB"}
+LIMITS: dict[str, str | bool | int | float | list[str]] = {"memory_limit": "2GB"}
 """Settings of every connection."""
-CLOSED = {**LIMITS, "enable_external_access": "false"}
+CLOSED: dict[str, str | bool | int | float | list[str]] = {**LIMITS, "enable_external_access": "false"}
 """Settings of connections to files that anybody may have made: nothing that is in them reads or writes another file."""
 DAMAGED = "is damaged or not a DuckDB file; it was left as it is"
 NOT_FINITE = "is damaged: there is a row with a number that is missing or not finite"
