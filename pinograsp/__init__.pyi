@@ -53,6 +53,7 @@ from .descriptions.task import Reserves as Reserves
 from .descriptions.task import Task as Task
 from .descriptions.task import Wrench as Wrench
 from .errors import CacheWarning as CacheWarning
+from .errors import DamagedError as DamagedError
 from .errors import DatabaseMismatchError as DatabaseMismatchError
 from .errors import FileError as FileError
 from .errors import InputError as InputError

@@ -8,24 +8,67 @@ environment all of them run as they are written, for a debugger.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, TypeVar, cast
+from hashlib import sha256
+from pathlib import Path
+from typing import IO, Any, TypeVar, cast
 
 import numba
-from numba.core import event
+from numba.core import caching, event
 
 from .progress import Progress, Report
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
+SEAL = 32
+"""Bytes at the end of each file, the SHA-256 of those before them."""
+
+
 def compiled(function: Function) -> Function:
     """Compile a function; division by zero gives infinity or NaN, as in NumPy."""
     try:
-        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+        made = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # no folder can be written: compiled in every process
         return cast(Function, numba.njit(error_model="numpy")(function))
+    if (cache := getattr(made, "_cache", None)) is not None:  # none with NUMBA_DISABLE_JIT
+        cache._cache_file.__class__ = _Sealed
+    return cast(Function, made)
+
+
+class _Sealed(caching.IndexDataCacheFile):  # type: ignore[misc]  # Numba has no types
+    """The files of a function that Numba keeps, each with a seal: what is damaged is compiled anew.
+
+    Numba takes files as they are: a damaged index is an error in every call, damaged machine code ends the process.
+    """
+
+    def _load_index(self) -> dict[Any, str]:
+        if not _is_sealed(Path(self._index_path)):
+            return {}
+        found: dict[Any, str] = super()._load_index()
+        return found
+
+    def _load_data(self, name: str) -> Any:
+        if not _is_sealed(Path(self._data_path(name))):
+            raise OSError  # for which Numba takes one that is missing
+        return super()._load_data(name)
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[IO[bytes]]:
+        with super()._open_for_write(filepath) as file:
+            content = io.BytesIO()
+            yield content
+            file.write(content.getvalue() + sha256(content.getvalue()).digest())
+
+
+def _is_sealed(file: Path) -> bool:
+    try:
+        content = file.read_bytes()
+    except OSError:
+        return False
+    return sha256(content[:-SEAL]).digest() == content[-SEAL:]
 
 
 @contextmanager

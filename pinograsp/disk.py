@@ -6,13 +6,20 @@ import hashlib
 import json
 import mmap
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import IO, Any, NoReturn
 
 from .errors import FileError, UnwritableError, require_kind
 from .interrupts import held
+
+LARGEST = 2**30
+"""Bytes of a file that is read whole."""
+PIECE = 2**20
+"""Bytes that are read at once."""
+DEEPEST = 64
+"""Levels of JSON data."""
 
 
 def as_path(name: str, file: Path | str) -> Path:
@@ -25,16 +32,35 @@ def as_path(name: str, file: Path | str) -> Path:
     return Path(file)
 
 
-def content_of(file: Path) -> bytes:
+def content_of(file: Path, most: int = LARGEST) -> bytes:
     """Return the content of a file.
 
+    Args:
+        file: to read.
+        most: bytes that it may have; nothing larger is meant, and a device has no end.
+
     Raises:
-        FileError: it cannot be read.
+        FileError: it cannot be read, or is larger.
     """
     try:
-        return file.read_bytes()
+        with file.open("rb") as opened:
+            content = b"".join(_pieces(opened, most))
     except OSError as error:
         raise FileError(f"cannot be read: {reason_of(error)}", file=file, remedy="Check the path") from None
+    except ValueError as error:  # a name that no file can have
+        raise FileError(f"cannot be read: {error}", file=file, remedy="Check the path") from None
+    if len(content) > most:
+        problem = f"has more than {most:_} bytes".replace("_", " ")
+        raise FileError(problem, file=file, remedy="Check the path: no such file is that large")
+    return content
+
+
+def _pieces(opened: IO[bytes], most: int) -> Iterator[bytes]:
+    """Yield what is in a file, and of one with more than `most` bytes little more: to read n takes memory for n."""
+    there = 0
+    while there <= most and (piece := opened.read(PIECE)):
+        there += len(piece)
+        yield piece
 
 
 def json_of(file: Path) -> Any:
@@ -44,9 +70,25 @@ def json_of(file: Path) -> Any:
         FileError: it cannot be read, or is no JSON, which has no NaN and no Infinity.
     """
     try:
-        return json.loads(content_of(file), parse_constant=_refuse)
+        data = json.loads(content_of(file), parse_constant=_refuse)
+        _require_shallow(data)
+        return data
     except (ValueError, RecursionError) as error:
         raise FileError(f"is not valid JSON: {error}", file=file, remedy="Write it anew") from None
+
+
+def _require_shallow(data: Any) -> None:
+    """Refuse data that is nested so deeply that who goes through it by recursion would not come to its end."""
+    level = [data]
+    for _ in range(DEEPEST):
+        level = [part for outer in level if isinstance(outer, dict | list) for part in _parts(outer)]
+        if not level:
+            return
+    raise ValueError(f"more than {DEEPEST} levels are nested")
+
+
+def _parts(outer: dict[str, Any] | list[Any]) -> Iterable[Any]:
+    return outer.values() if isinstance(outer, dict) else outer
 
 
 def _refuse(constant: str) -> NoReturn:

@@ -5,6 +5,7 @@
             UnknownNameError        nothing has this name; a KeyError, too
             FileError               a file is missing, unreadable, damaged or of another format
                 UnwritableError     a file or a folder cannot be written
+                DamagedError        a file is not what pinograsp could have written
             DatabaseMismatchError   a start database belongs to another robot, enclosure or margin
             TaskError               a task that cannot be meant with this robot and scene
         MissingExtraError           an optional dependency is not installed
@@ -77,6 +78,10 @@ class FileError(InputError):
 
 class UnwritableError(FileError):
     """A file or a folder that cannot be written: it is read-only or full, or a file is in its way."""
+
+
+class DamagedError(FileError):
+    """A result or a start database that pinograsp cannot have written like this: cut off, changed, or never one."""
 
 
 class DatabaseMismatchError(InputError):

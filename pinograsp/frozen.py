@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from types import NoneType
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -102,6 +102,11 @@ class Record:
     def __repr__(self) -> str:
         shown = (f"{field.name}={brief(getattr(self, field.name))}" for field in fields(self) if field.repr)
         return f"{type(self).__name__}({', '.join(shown)})"
+
+    @classmethod
+    def of_json(cls, values: Mapping[str, Any]) -> Self:
+        """Return the record of values by field, as they were read from JSON data."""
+        return cls(**values)
 
     def to_json(self) -> dict[str, Any]:
         """Return the content as JSON data, by attribute: SI units and radians, numbers that are not finite None."""

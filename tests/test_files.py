@@ -39,7 +39,8 @@ SHIPPED = pinograsp.shipped_scenes()["glovebox"]
 def database(gen3: Robot, glovebox: Scene, tmp_path: Path) -> Path:
     """A database without rows."""
     file = tmp_path / "empty.duckdb"
-    create(file, Identity.of(gen3, glovebox, Margins()), {}).close()
+    facts = {"seed": 0, "spread": "joints", "layout": "unsorted", "size": 0, "versions": {}}
+    create(file, Identity.of(gen3, glovebox, Margins()), facts).close()
     return file
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import pinograsp
 from pinograsp import (
     Cone,
     Cylinder,
+    FileError,
     InputError,
     Object,
     Pose,
@@ -177,7 +179,7 @@ def test_a_grasp_in_tilted_gravity_is_proven_from_its_file_alone(hanging: Result
     ("path", "value"), [(("gravity", 2), -G), (("objects", "sphere", "mass"), 0.21)], ids=["gravity", "mass"]
 )
 def test_mass_and_gravity_of_a_file_count(path: Any, value: float, hanging: Result, tmp_path: Path) -> None:
-    """Also where the digest is made to fit."""
+    """Where no digest tells of it, the check does: a scene that was made in Python has one of its content, too."""
     file = tmp_path / "result.json"
     write_json(hanging, file)
     content = json.loads(file.read_text())
@@ -185,6 +187,11 @@ def test_mass_and_gravity_of_a_file_count(path: Any, value: float, hanging: Resu
     for key in path[:-1]:
         block = block[key]
     block[path[-1]] = value
+    file.write_text(json.dumps(content))
+    with pytest.raises(FileError, match=r"setup\.scene\.digest: is damaged") as caught:
+        read_json(file)
+    (content["setup"]["scene"]["digest"],) = re.findall(r'"([0-9a-f]{64})" follows', str(caught.value))
+    content["provenance"]["sha256"]["scene"] = content["setup"]["scene"]["digest"]
     file.write_text(json.dumps(content))
     assert read_json(file).altered
     file.write_text(json.dumps(sealed(content)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,12 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pinograsp import InputError, Result, Robot, read_json, write_json
+from pinograsp import InputError, Result, Robot
 from pinograsp.arrays import without_turns
 from pinograsp.descriptions import Scene
 from pinograsp.results import CRITERIA, Cost, Criterion, Grasp, Setup, html, merge, ranking, table
 from pinograsp.results.criteria import numbers_of
+from pinograsp.results.decoding import decode_by_types
 from pinograsp.results.different import JOINT, POSITION, ROTATION
+from pinograsp.results.encoding import encode
 from pinograsp.verification import Certificate, Figure
 from pinograsp.visualization import comparison
 
@@ -477,14 +478,13 @@ def test_the_shown_differ_and_everything_near_is_behind(rows: list[Any], most: i
 # From a file.
 
 
-def test_it_works_on_results_that_were_read(setup: Setup, tmp_path: Path) -> None:
+def test_it_works_on_results_that_were_read(setup: Setup) -> None:
     made = [
         grasp(i, 2.0 + 0.3 * (i % 3), Q=float(i), walls=0.01 + 0.001 * (7 * i % 5), wrist=pose(0.013 * i))
         for i in range(12)
     ]
     result = result_of(setup, *ranking.ordered(made))
-    write_json(result, tmp_path / "result.json")
-    back = read_json(tmp_path / "result.json")
+    back = decode_by_types(encode(result))
     assert not back.altered
     assert starts(back.ranked()) == starts(back.grasps) == starts(result.grasps)
     assert starts(back.ranked("Q")) == list(range(11, -1, -1))

@@ -46,6 +46,7 @@ from .store import (
     create,
     create_tables,
     interruptible,
+    literal,
     require_identity,
     set_metadata,
     writing,
@@ -224,12 +225,13 @@ def _finish(path: Path, size: int, pace: _Pace) -> None:
             joints = len(database.joints())
             listed = ", ".join(columns(joints))
             connection = database.connection
-            connection.execute(f"ATTACH '{_quoted(sorting)}' AS sorted")
+            connection.execute(f"ATTACH {literal(sorting)} AS sorted")
             create_tables(connection, joints, "sorted.")
-            database.select(
+            rows = (
                 f"INSERT INTO sorted.configurations SELECT {listed} FROM configurations "
                 f"WHERE sample < {needed} * {DRAWS}::BIGINT ORDER BY cell, sample"
             )
+            database.run(lambda: connection.execute(rows))
             kept = f"SELECT * FROM batches WHERE batch < {needed} ORDER BY batch"
             connection.execute(f"INSERT INTO sorted.batches {kept}")
             connection.execute("INSERT INTO sorted.metadata SELECT * FROM metadata")
@@ -237,7 +239,3 @@ def _finish(path: Path, size: int, pace: _Pace) -> None:
                 connection.execute("UPDATE sorted.metadata SET value = ? WHERE key = ?", [value, key])
             connection.execute("DETACH sorted")
         sorting.replace(path)
-
-
-def _quoted(path: Path) -> str:
-    return str(path).replace("'", "''")

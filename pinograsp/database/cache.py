@@ -15,7 +15,7 @@ from ..cache_folder import cache_folders, in_cache
 from ..descriptions import Scene
 from ..descriptions.task import Margins
 from ..disk import is_file
-from ..errors import FileError, InputError
+from ..errors import DamagedError, DatabaseMismatchError, FileError
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
 from .build import build_database
@@ -36,31 +36,29 @@ def cached_database(
     workers: int | None = None,
     progress: Report = no_report,
 ) -> Database:
-    """Return the small database of a robot, enclosure and margins; built on first use.
+    """Return the small database of a robot, enclosure and margins; built on first use, and anew where it is damaged.
 
     Raises:
-        InputError: the cached file is damaged; the message names it, so that it can be deleted. Or it is not there, and
-            neither the cache folder nor a temporary one can be written.
+        InputError: it is not there, and neither the cache folder nor a temporary one can be written.
     """
     identity = Identity.of(robot, scene, margins)
     name = f"{robot.description.name}-{identity.digest[:16]}.duckdb"
+
+    def build(file: Path) -> Database:
+        return build_database(
+            robot, scene, file, size=SIZE, seed=SEED, margins=margins, workers=workers, wait=True, progress=progress
+        )
 
     def built(folder: Path) -> Database:
         file, unfinished = folder / name, folder / f".{name}.unfinished"
         with building(file, wait=True):
             if (there := _there(file, identity)) is not None:  # another process has built it meanwhile
                 return there
-            build_database(
-                robot,
-                scene,
-                unfinished,
-                size=SIZE,
-                seed=SEED,
-                margins=margins,
-                workers=workers,
-                wait=True,
-                progress=progress,
-            ).close()
+            try:
+                build(unfinished).close()
+            except (DamagedError, DatabaseMismatchError):  # what was begun cannot be gone on with
+                unfinished.unlink()
+                build(unfinished).close()
             unfinished.replace(file)
         return _copied(file)
 
@@ -71,18 +69,20 @@ def cached_database(
 
 
 def _there(file: Path, identity: Identity) -> Database | None:
-    """Return the database of a file, or None if it is not there, or not complete: left so by an older version."""
+    """Return the database of a file, or None if it is not there, damaged, or not complete: of an older version."""
     if not is_file(file):
         return None
-    database = _copied(file)
     try:
+        database = _copied(file)
+    except DamagedError:
+        return None
+    try:
+        database.require_sound()
         require_identity(database, identity)
-        complete = database.metadata()["layout"] == "sorted" or not database.rows()
-    except InputError:
-        database.close()
-        raise
-    if complete:
-        return database
+        if database.metadata()["layout"] == "sorted" or not database.rows():
+            return database
+    except (DamagedError, DatabaseMismatchError):
+        pass
     database.close()
     return None
 

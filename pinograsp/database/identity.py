@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.composition import UrdfPart
@@ -24,6 +25,39 @@ MEANING = {
     "margins": "least distances that the configurations keep",
 }
 """Content that each part's hash is taken of."""
+
+
+class WallsContent(BaseModel):
+    """Two corners, m."""
+
+    min: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    max: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+class RobotContent(BaseModel):
+    """What is read of the part about the robot; of the whole only the hash counts."""
+
+    model_config = ConfigDict(extra="allow")
+
+    joints: Annotated[list[Annotated[str, Field(pattern="^[^\x00]+$")]], Field(min_length=1)]
+
+
+class EnclosureContent(BaseModel):
+    """The same of the part about the enclosure."""
+
+    model_config = ConfigDict(extra="allow")
+
+    walls: WallsContent
+
+
+class IdentityContent(BaseModel):
+    """An identity as JSON data."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    robot: RobotContent
+    enclosure: EnclosureContent
+    margins: dict[str, Annotated[FiniteFloat, Field(ge=0.0)]]
 
 
 @dataclass(frozen=True)

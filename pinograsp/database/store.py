@@ -16,15 +16,19 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import duckdb
+import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from ..descriptions.problems import input_error
 from ..disk import as_path, is_file, is_folder, reason_of, written_whole
-from ..errors import DatabaseMismatchError, FileError, UnwritableError
+from ..errors import DamagedError, DatabaseMismatchError, FileError, UnwritableError
 from ..interrupts import heard
-from .identity import Identity
+from .identity import Identity, IdentityContent
+from .spread import Spread
 
 Answer = TypeVar("Answer")
 
@@ -44,6 +48,39 @@ def columns(joints: int) -> dict[str, str]:
     angles = {f"q{i}": "FLOAT" for i in range(1, joints + 1)}
     vectors = dict.fromkeys(("x", "y", "z", "ax", "ay", "az", "clearance"), "FLOAT")
     return {**angles, **vectors, "cell": "UINTEGER", "sample": "BIGINT"}
+
+
+METADATA = {"key": "VARCHAR", "value": "VARCHAR"}
+"""Columns of `metadata` with their SQL types."""
+BATCHES = dict.fromkeys(("batch", "drawn", "accepted"), "INTEGER")
+"""Columns of `batches` with their SQL types."""
+LIMITS: dict[str, str | bool | int | float | list[str]] = {"memory_limit": "2GB"}
+"""Settings of every connection."""
+CLOSED: dict[str, str | bool | int | float | list[str]] = {**LIMITS, "enable_external_access": "false"}
+"""Settings of connections to files that anybody may have made: nothing that is in them reads or writes another file."""
+DAMAGED = "is damaged or not a DuckDB file; it was left as it is"
+NOT_FINITE = "is damaged: there is a row with a number that is missing or not finite"
+_COLUMNS = """
+    SELECT table_name, column_name, data_type || coalesce(' ' || column_default, '')
+    FROM duckdb_columns() WHERE NOT internal AND database_name = current_database()
+    UNION ALL SELECT view_name, '', 'VIEW' FROM duckdb_views() WHERE NOT internal
+    UNION ALL SELECT function_name, '', 'MACRO' FROM duckdb_functions() WHERE NOT internal
+"""
+
+
+class Metadata(BaseModel):
+    """The content of `metadata`."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    application: Literal["pinograsp start database"]
+    format: Literal[1]
+    identity: IdentityContent
+    seed: Annotated[int, Field(ge=0)]
+    spread: Spread
+    layout: Literal["sorted", "unsorted"]
+    size: Annotated[int, Field(ge=0)]
+    versions: dict[str, str]
 
 
 class Database:
@@ -71,36 +108,68 @@ class Database:
             problem = "is a folder" if is_folder(path) else "no such database"
             raise FileError(problem, file=path, remedy="Make it with `pinograsp database build`")
         if not _begins_as_duckdb(path):  # DuckDB opens files of other kinds, too
-            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path)
+            raise DamagedError(DAMAGED, file=path)
+        if not read_only:  # what it holds is seen before anything can reach beyond it
+            cls.open(path).close()
         try:
-            connection = duckdb.connect(str(path), read_only=read_only, config={"memory_limit": "2GB"})
+            connection = duckdb.connect(str(path), read_only=read_only, config=CLOSED if read_only else LIMITS)
         except duckdb.IOException as error:
             if "permission denied" in str(error).lower():
                 raise FileError("cannot be opened: permission denied", file=path, remedy="Check the file") from None
             if "lock" in str(error).lower():
                 raise FileError("is in use by another process", file=path, remedy="Wait until it is done") from None
-            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+            raise DamagedError(DAMAGED, file=path) from None
         except duckdb.ConnectionException:
             mode = "for writing" if read_only else "for reading"
             raise FileError(f"is open in this process {mode}", file=path, remedy="Close it first") from None
         except duckdb.Error:
-            raise FileError("is damaged or not a DuckDB file; it was left as it is", file=path) from None
+            raise DamagedError(DAMAGED, file=path) from None
         database = cls(path, connection)
         try:
-            found = database.metadata()
-            if found.get("application") != APPLICATION or found.get("format") != FORMAT:
-                raise FileError(
-                    f"is not a {APPLICATION} of format {FORMAT}; it was left as it is",
-                    file=path,
-                    remedy="Name another file",
-                )
-        except duckdb.Error:
-            database.close()
-            raise FileError(f"is a DuckDB file, but not a {APPLICATION}; it was left as it is", file=path) from None
+            database._require_layout()
         except FileError:
             database.close()
             raise
         return database
+
+    def _require_layout(self) -> None:
+        """Refuse a file with other tables, columns or metadata than `create` makes.
+
+        Raises:
+            DamagedError: it is none of ours, or damaged.
+        """
+        tables: dict[str, dict[str, str]] = {}
+        for table, column, kind in self.select(_COLUMNS):
+            tables.setdefault(table, {})[column] = kind
+        problem, remedy = f"is a DuckDB file, but not a {APPLICATION}", "Name another file"
+        if tables.get("metadata") != METADATA:
+            raise DamagedError(f"{problem}; it was left as it is", file=self.file, remedy=remedy)
+        found = self.metadata()
+        if found.get("application") != APPLICATION or found.get("format") != FORMAT:
+            problem = f"is not a {APPLICATION} of format {FORMAT}"
+            raise DamagedError(f"{problem}; it was left as it is", file=self.file, remedy=remedy)
+        try:
+            facts = Metadata.model_validate(found)
+        except ValidationError as error:
+            wrong = input_error(error, Metadata, found)
+            raise DamagedError(f"is damaged: metadata: {wrong.problem}", file=self.file, key=wrong.key) from None
+        wanted = {"configurations": columns(len(facts.identity.robot.joints)), "batches": BATCHES, "metadata": METADATA}
+        if tables != wanted:
+            different = [name for name in wanted | tables if wanted.get(name) != tables.get(name)]
+            problem = f"is damaged: other tables or columns than those of a {APPLICATION}: {', '.join(different)}"
+            raise DamagedError(problem, file=self.file)
+
+    def require_sound(self) -> None:
+        """Read every row, and refuse a number that is missing or not finite.
+
+        Raises:
+            DamagedError: there is one, or the rows cannot be read.
+        """
+        angles = " AND ".join(
+            f"isfinite({name})" for name, kind in columns(len(self.joints())).items() if kind == "FLOAT"
+        )
+        if self.select(f"SELECT count(*) FROM configurations WHERE NOT coalesce({angles}, false)") != [(0,)]:
+            raise DamagedError(NOT_FINITE, file=self.file)
 
     def __enter__(self) -> Database:
         """Return the database; it is closed at the end of the block."""
@@ -123,7 +192,8 @@ class Database:
             sql: the query, with `$name` for values.
             values: by name.
         """
-        return self._waited_for(lambda: self.connection.execute(sql, values).fetchall())
+        with self._sound():
+            return self.run(lambda: self.connection.execute(sql, values).fetchall())
 
     def select_columns(self, sql: str, values: Mapping[str, Any] | None = None) -> dict[str, NDArray[Any]]:
         """Return the rows of a query as one array for each column.
@@ -132,10 +202,24 @@ class Database:
             sql: as for `select`.
             values: as for `select`.
         """
-        return self._waited_for(lambda: dict(self.connection.execute(sql, values).fetchnumpy()))
+        with self._sound():
+            found = self.run(lambda: dict(self.connection.execute(sql, values).fetchnumpy()))
+        if any(np.ma.is_masked(column) or not np.isfinite(column).all() for column in found.values()):
+            raise DamagedError(NOT_FINITE, file=self.file)
+        return found
 
-    def _waited_for(self, query: Callable[[], Answer]) -> Answer:
-        """Return the answer of a query, for which a thread of its own waits.
+    @contextmanager
+    def _sound(self) -> Iterator[None]:
+        """Take what DuckDB cannot read in the block for damage: the queries are ours, and right."""
+        try:
+            yield
+        except duckdb.InterruptException:
+            raise
+        except duckdb.Error as error:
+            raise DamagedError(f"is damaged: {str(error).splitlines()[0]}", file=self.file) from None
+
+    def run(self, query: Callable[[], Answer]) -> Answer:
+        """Return the answer of a query of the connection, for which a thread of its own waits; errors are DuckDB's.
 
         DuckDB looks for Ctrl-C only in the thread that asks, and not while that one helps its other threads.
         """
@@ -151,8 +235,10 @@ class Database:
 
     def metadata(self) -> dict[str, Any]:
         """Return the metadata, JSON values read."""
-        rows = self.select("SELECT key, value FROM metadata")
-        return {key: json.loads(value) for key, value in rows}
+        try:
+            return {key: json.loads(value) for key, value in self.select("SELECT key, value FROM metadata")}
+        except (TypeError, ValueError, RecursionError):
+            raise DamagedError("is damaged: its metadata are no JSON", file=self.file, key="metadata") from None
 
     def rows(self) -> int:
         """Return the number of configurations."""
@@ -186,13 +272,29 @@ class Database:
         Raises:
             UnwritableError: the file cannot be written.
         """
-        names = ", ".join(f'q{i} AS "{name}"' for i, name in enumerate(self.joints(), 1))
+        self.require_sound()
+        names = ", ".join(f"q{i} AS {identifier(name)}" for i, name in enumerate(self.joints(), 1))
         others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
-        rows = f"SELECT {names}, {others} FROM configurations"
         path = as_path("file", file)
-        with written_whole(path) as unfinished, writing(path):
-            target = str(unfinished).replace("'", "''")
-            self.select(f"COPY ({rows}) TO '{target}' (FORMAT parquet, COMPRESSION zstd)")
+        # Of what is open here nothing can be written anywhere: another connection reads the file, and no other file.
+        with written_whole(path) as unfinished, duckdb.connect(config=LIMITS) as writer, writing(path):
+            writer.execute(f"ATTACH {literal(self.file)} AS source (READ_ONLY)")
+            writer.execute(f"SET allowed_directories = [{literal(unfinished.parent)}]")
+            writer.execute("SET enable_external_access = false")
+            rows = f"SELECT {names}, {others} FROM source.configurations"
+            target = literal(unfinished)
+            copy = f"COPY ({rows}) TO {target} (FORMAT parquet, COMPRESSION zstd)"
+            Database(path, writer).run(lambda: writer.execute(copy))
+
+
+def identifier(name: str) -> str:
+    """Return a name as an identifier of SQL, whatever is in it."""
+    return '"' + name.replace('"', '""') + '"'
+
+
+def literal(text: Path | str) -> str:
+    """Return a text as a literal of SQL, whatever is in it."""
+    return "'" + str(text).replace("'", "''") + "'"
 
 
 def _begins_as_duckdb(file: Path) -> bool:
@@ -240,8 +342,10 @@ def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: s
     """Create the three tables, in an attached catalog if one is named (`name.`)."""
     listed = ", ".join(f"{name} {kind}" for name, kind in columns(joints).items())
     connection.execute(f"CREATE TABLE {catalog}configurations ({listed})")
-    connection.execute(f"CREATE TABLE {catalog}batches (batch INTEGER PRIMARY KEY, drawn INTEGER, accepted INTEGER)")
-    connection.execute(f"CREATE TABLE {catalog}metadata (key VARCHAR PRIMARY KEY, value VARCHAR)")
+    for table, parts in (("batches", BATCHES), ("metadata", METADATA)):
+        (key, kind), *others = parts.items()
+        listed = ", ".join((f"{key} {kind} PRIMARY KEY", *(f"{name} {other}" for name, other in others)))
+        connection.execute(f"CREATE TABLE {catalog}{table} ({listed})")
 
 
 @contextmanager

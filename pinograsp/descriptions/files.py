@@ -13,7 +13,10 @@ from .mesh_files import SCENE_FILE
 from .model import Root
 from .problems import KeyPath, dotted, input_error, refuse_internal
 from .values import ABSENT
-from .yaml_core import Yaml
+from .yaml_core import Yaml, require_few_aliases
+
+LARGEST = 2**20
+"""Bytes of a robot or scene file."""
 
 
 class _Lines:
@@ -55,12 +58,14 @@ def read_file(file: Path, model: type[Root]) -> Root:
         FileError: the file is missing, cannot be read or is not YAML.
         InputError: it does not fit `model`.
     """
-    data = content_of(file)
+    data = content_of(file, LARGEST)
     try:
-        text = data.decode()
-        node = yaml.compose(text, Loader=Yaml)
-        content = yaml.load(text, Loader=Yaml)
+        loader = Yaml(data.decode())
+        node = loader.get_single_node()
+        if node is not None:
+            require_few_aliases(node)
         lines = _Lines(node, file)
+        content = None if node is None else loader.construct_document(node)
     except UnicodeDecodeError:
         raise FileError("is not a text file in UTF-8", file=file) from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:

@@ -24,8 +24,8 @@ ABSENT = object()
 """In place of a `format` that a file does not give."""
 FARTHEST = 1e9
 """Greatest number, in any unit: nothing that is meant has more, and powers of much greater ones overflow."""
-
-
+NEAREST = 1e-9
+"""Least positive number, in any unit, where nothing is not allowed: what is divided by it does not overflow."""
 LEAST_SIZE = 1e-5
 """Of a shape, m: what is smaller is no body, and computations with it are about nothing but rounding."""
 
@@ -53,6 +53,12 @@ def _number(value: object) -> object:
 def _in_reach(number: float) -> float:
     if abs(number) > FARTHEST:
         raise wrong(f"a number between {-FARTHEST:g} and {FARTHEST:g} is wanted (given: {number!r})")
+    return number
+
+
+def _not_tiny(number: float) -> float:
+    if 0.0 < number < NEAREST:
+        raise wrong(f"a number of {NEAREST:g} or more is wanted (given: {number!r})")
     return number
 
 
@@ -96,7 +102,7 @@ def _fit_for_files(name: str) -> str:
 
 Format1 = Annotated[Literal[1], BeforeValidator(_format)]
 Number = Annotated[FiniteFloat, BeforeValidator(_number), AfterValidator(_in_reach)]
-Positive = Annotated[Number, Field(gt=0.0)]
+Positive = Annotated[Number, Field(gt=0.0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 Size = Annotated[Positive, AfterValidator(_has_size)]
 """Of a shape, m."""

@@ -31,8 +31,15 @@ class Yaml(yaml.SafeLoader):
     yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012 - as PyYAML has it
 
 
+LONGEST_INT = 100
+"""Characters of a whole number; of much longer ones Python refuses even to show the digits."""
+
+
 def _int(loader: Yaml, node: yaml.ScalarNode) -> int:
     text = str(loader.construct_scalar(node))
+    if len(text) > LONGEST_INT:
+        problem = f"a number of {len(text)} digits cannot be meant"
+        raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
     return int(text, 0) if text.startswith(("0o", "0x")) else int(text)
 
 
@@ -51,3 +58,37 @@ def _set_up() -> None:
 
 
 _set_up()
+
+
+MOST_REPEATED = 100_000
+"""Values that aliases may repeat in a file."""
+
+
+def require_few_aliases(root: yaml.Node) -> None:
+    """Refuse a document that is short, but says so much by aliases of aliases that no memory holds it.
+
+    Raises:
+        yaml.YAMLError: it is one, or a part contains itself.
+    """
+    sizes: dict[yaml.Node, int | None] = {}
+
+    def size(node: yaml.Node) -> int:
+        """Return the number of values in a node, repeated ones each time."""
+        if node in sizes:
+            known = sizes[node]
+            if known is None:
+                raise yaml.composer.ComposerError(None, None, "a part contains itself", node.start_mark)
+            return known
+        sizes[node] = None
+        sizes[node] = total = 1 + sum(map(size, _inside(node)))
+        return total
+
+    if size(root) - len(sizes) > MOST_REPEATED:
+        problem = f"aliases repeat more than {MOST_REPEATED} values"
+        raise yaml.composer.ComposerError(None, None, problem, root.start_mark)
+
+
+def _inside(node: yaml.Node) -> list[yaml.Node]:
+    if isinstance(node, yaml.MappingNode):
+        return [part for pair in node.value for part in pair]
+    return list(node.value) if isinstance(node, yaml.SequenceNode) else []

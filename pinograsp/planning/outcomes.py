@@ -15,7 +15,7 @@ from ..descriptions.robot_files import Hashes
 from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
 from ..results.provenance import provenance
-from ..solve.local import Outcome
+from ..solver_words import Outcome
 from ..units import in_si
 from ..verification.resistance import Q_FORCE, is_graded
 from .attempt import Attempt

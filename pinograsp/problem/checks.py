@@ -15,6 +15,7 @@ from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
 from ..geometry.tessellation import refined
 from ..kinematics.hand_posture import widest_jaw
+from .angle_findings import angle_findings
 from .mesh_findings import mesh_findings
 from .regions import check_region
 from .task_model import TaskModel
@@ -60,7 +61,8 @@ def check_task(model: TaskModel) -> list[str]:
         )
     if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
         _jaw_wide_enough(model)
-    return [*mesh_findings(model.scene, model.task), *_center_of_mass_odd(model), *check_region(model)]
+    odd = [*angle_findings(model.scene, model.robot.description), *mesh_findings(model.scene, model.task)]
+    return [*odd, *_center_of_mass_odd(model), *check_region(model)]
 
 
 def _center_of_mass_odd(model: TaskModel) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InputError
 from ..frozen import Record, frozen
+from ..json_types import Transform, Vector
 from ..verification.certificate import Certificate
 from ..verification.claim import Claim
 from .setup import Setup
@@ -35,17 +36,17 @@ class Contact(Record):
     """Name of the pad in the robot file."""
     link: str
     """Name of the link that the pad lies on."""
-    point: Array
+    point: Vector
     """Contact point, world, m, shape (3,)."""
-    normal: Array
+    normal: Vector
     """Outward normal of the object at the contact point, world, shape (3,)."""
-    force: Array
+    force: Vector
     """Force on the object, world, N, shape (3,)."""
     spin_torque: float
     """Torque on the object about the pad's outward normal, N m; zero for a hard finger."""
-    desired_point: Array | None
+    desired_point: Vector | None
     """The desired contact point that this pad serves, world, m, shape (3,); None in a task that desires none."""
-    T_world_pad: Array
+    T_world_pad: Transform
     """Pose of the pad's patch frame, world, m, shape (4, 4): with the keys of the robot file, its origin is the patch's
     `origin`, its x axis `x_axis` and its z axis `normal`, outward from the finger."""
 
@@ -79,7 +80,7 @@ class Grasp(Record):
     """One for each pad of the task, in the order of its pads."""
     certificate: Certificate
     """Every figure of the independent check."""
-    T_world_wrist: Array
+    T_world_wrist: Transform
     """Pose of the wrist link, m, shape (4, 4)."""
     setup: Setup | None = field(default=None, repr=False)
     """Robot, scene and task that it belongs to; every grasp of a result has them. None on the way there: worker

@@ -5,13 +5,12 @@ The layout (`encoding`) has a format version; `read_json` refuses others.
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 from ..disk import as_path, json_of, json_text, write_whole
-from ..errors import FileError, InputError, require_kind
+from ..errors import DamagedError, FileError, InputError, require_kind
 from .decoding import decode
-from .encoding import FORMAT_VERSION, encode, encode_as
+from .encoding import FORMAT_VERSION, encode
 from .result import Result
 
 
@@ -35,10 +34,13 @@ def write_json(result: Result, file: Path | str) -> None:
 def read_json(file: Path | str) -> Result:
     """Read a result that `write_json` wrote.
 
-    A result whose file was changed since is read, too, and says so (`Result.altered`); `verify` finds what was changed.
+    What no result is written as is refused: another key, kind, shape or word, and parts that do not fit each other. A
+    file with another number that nothing else in it contradicts is read, and says so (`Result.altered`); `verify` finds
+    what was changed.
 
     Raises:
         FileError: the file is missing, is no JSON, or is of another format.
+        DamagedError: (a `FileError`) it is damaged; the message names the key.
     """
     file = as_path("file", file)
     data = json_of(file)
@@ -52,10 +54,6 @@ def read_json(file: Path | str) -> Result:
         )
     remedy = "Take another copy of the file, or plan again"
     try:
-        result = decode(data)
-        # What follows from other numbers and is not kept, as whether a figure holds, counts too.
-        return dataclasses.replace(result, altered=encode_as(result, data) != data)
+        return decode(data)
     except InputError as error:
-        raise FileError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None
-    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
-        raise FileError("is damaged: its parts do not fit together", file=file, remedy=remedy) from None
+        raise DamagedError(f"is damaged: {error.problem}", file=file, key=error.key, remedy=remedy) from None

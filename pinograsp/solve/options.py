@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 from ..errors import UnknownNameError, close_names, real_number, whole_number
+from ..solver_words import Projection
 from .backends import backend_of
-
-Projection = Literal["nothing", "contacts", "contacts and clearance"]
-"""Conditions of a grasp that a start is projected on."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..problem import DesiredPoints, GraspProblem, State, TaskModel
-from .options import Projection
+from ..solver_words import Projection
 
 MAX_STEPS = 30
 DONE = 1e-5

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Any, Literal, Self
 
 from .. import notebook
 from ..frozen import Record, unknown
+from ..json_types import Null
 from ..units import shown_in
 
 NAMED = 3
@@ -23,9 +24,9 @@ class Figure(Record):
 
     name: str
     """Of the quantity, such as "joint reserve"."""
-    value: float
+    value: Annotated[float, Null(math.nan)]
     """In `unit`; nan or infinite where it could not be computed."""
-    limit: float
+    limit: Annotated[float, Null(math.nan)]
     """In `unit`; infinite if nothing limits the value."""
     unit: str
     """SI, angles in radians; empty for a pure number."""
@@ -33,6 +34,13 @@ class Figure(Record):
     """On which side of the limit the value must be."""
     where: str = ""
     """Pair of bodies, pad or joint that is nearest to the limit."""
+
+    @classmethod
+    def of_json(cls, values: Mapping[str, Any]) -> Self:
+        """Return the figure of values by field; a limit that was not finite judges nothing."""
+        unlimited = math.inf if values["sense"] == "at most" else -math.inf
+        limit = values["limit"]
+        return cls(**{**values, "limit": limit if math.isfinite(limit) else unlimited})
 
     @property
     def holds(self) -> bool:

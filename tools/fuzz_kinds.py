@@ -1,0 +1,444 @@
+"""The kinds of files that pinograsp reads: how a damaged one is made, and what a user does with it.
+
+A kind is an entry of `KINDS`: `make` writes the files of an input to a folder, `use` reads them as a user would and
+goes on with what was read. Whatever comes of that must be a `PinograspError`, or right.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import json
+import math
+import random
+import shutil
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import duckdb
+import numpy as np
+import yaml
+
+import pinograsp
+from fuzz_mutations import mutate_bytes, mutate_tree, mutate_xml
+from fuzz_toy import random_robot
+from pinograsp.array_cache import kept
+from pinograsp.cache_folder import cache_folders
+from pinograsp.database.query import configurations_near, spread_configurations
+from pinograsp.database.store import Database
+from pinograsp.descriptions import shipped_robots, shipped_scenes
+from pinograsp.geometry.shapes import surface_of
+from pinograsp.problem.checks import check_placement
+from pinograsp.results.encoding import encode
+from pinograsp.results.table import grasp_table, outcome_lines
+
+RAW = 0.15
+"""Share of the inputs whose bytes are changed, not their structure."""
+
+
+class SilentNaNError(Exception):
+    """A number that is not finite where nothing says so."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of files."""
+
+    make: Callable[[Path, random.Random], None]
+    """Writes an input to an empty folder."""
+    use: Callable[[Path], None]
+    """Does with the input in a folder what a user does."""
+    command: Callable[[Path], list[str]] | None = None
+    """Arguments of a command that reads it."""
+
+
+# ---- Sources.
+
+
+@cache
+def sources(folder: Path) -> dict[str, list[Path]]:
+    """Return what is mutated of kinds that are not shipped: made once, by `prepare`."""
+    return {kind.name: sorted(kind.glob("[!.]*")) for kind in folder.iterdir()}
+
+
+def prepare(folder: Path) -> None:
+    """Write sources to a folder: results of two starts each, a small database, a toy robot and meshes."""
+    for name in ("result", "database", "mesh"):
+        (folder / name).mkdir(parents=True)
+    robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox")
+    database = folder / "database" / "small.duckdb"
+    pinograsp.build_database(robot, scene, database, size=1500, workers=1).close()
+    for starts in (2, 4):
+        result = pinograsp.plan(robot, scene, "sphere", starts=starts, workers=1, database=database)
+        pinograsp.write_json(result, folder / "result" / f"{starts}.json")
+    empty = scene.with_task("sphere", start_radius=1e-3)
+    result = pinograsp.plan(robot, empty, "sphere", starts=2, workers=1, database=database)
+    pinograsp.write_json(result, folder / "result" / "none.json")
+    for suffix, content in _meshes().items():
+        (folder / "mesh" / f"box.{suffix}").write_bytes(content)
+
+
+def warm(folder: Path) -> None:
+    """Use sound inputs, so that libraries are loaded and functions compiled before time counts; opens no database."""
+    for number in range(20):
+        rng = random.Random(number)
+        (folder / "scene.yaml").write_text(yaml.safe_dump(random_scene(rng)))
+        with contextlib.suppress(pinograsp.PinograspError):  # bodies may lie in each other
+            use_scene(folder)
+    urdf, tree = random_robot(random.Random(0))
+    (folder / "toy.urdf").write_text(urdf)
+    (folder / "robot.yaml").write_text(yaml.safe_dump(tree))
+    use_robot(folder)
+    for source in sources(Path(SOURCES[0]))["mesh"] if SOURCES else ():
+        shutil.copy(source, folder / f"body{source.suffix}")
+        (folder / "scene.yaml").write_text(yaml.safe_dump(_with_mesh(random_scene(rng), f"body{source.suffix}", "m")))
+        use_mesh(folder)
+    for source in sources(Path(SOURCES[0]))["result"] if SOURCES else ():
+        shutil.copy(source, folder / "result.json")
+        use_result(folder)
+
+
+def _meshes() -> dict[str, bytes]:
+    """Return a box in every format that is small enough to be written here."""
+    corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.04, 0.04)])
+    faces = [
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+    ]
+    faces += [(1, 5, 7), (1, 7, 3)]
+    points = [" ".join(map(repr, corner)) for corner in corners.tolist()]
+    obj = "\n".join([*(f"v {p}" for p in points), *("f " + " ".join(str(i + 1) for i in face) for face in faces)])
+    off = "\n".join(["OFF", f"8 {len(faces)} 0", *points, *("3 " + " ".join(map(str, face)) for face in faces)])
+    header = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    ply = header + "\n".join([*points, *("3 " + " ".join(map(str, face)) for face in faces)])
+    parts = ["solid box"]
+    binary = bytes(80) + len(faces).to_bytes(4, "little")
+    for face in faces:
+        parts += ["facet normal 0 0 0", "outer loop", *(f"vertex {points[i]}" for i in face), "endloop", "endfacet"]
+        binary += np.concatenate([np.zeros(3), corners[list(face)].ravel()]).astype("<f4").tobytes() + bytes(2)
+    stl = "\n".join([*parts, "endsolid box"])
+    return {"obj": obj.encode(), "off": off.encode(), "ply": ply.encode(), "stl": stl.encode(), "bin.stl": binary}
+
+
+@cache
+def _content(file: Path) -> Any:
+    text = file.read_text()
+    return json.loads(text) if file.suffix == ".json" else yaml.safe_load(text)
+
+
+def _written(file: Path, tree: Any, rng: random.Random) -> None:
+    """Write a mutated tree; of some only the bytes are changed, or the tree says things twice."""
+    if rng.random() >= RAW:
+        mutate_tree(tree, rng)
+    text = _json(tree) if file.suffix == ".json" else yaml.dump(tree, sort_keys=False, allow_unicode=True)
+    data = text.encode("utf-8", "surrogatepass")
+    file.write_bytes(mutate_bytes(data, rng) if rng.random() < RAW else data)
+
+
+def _json(tree: Any) -> str:
+    return json.dumps(tree, indent=1)
+
+
+# ---- Scenes.
+
+
+def _number(rng: random.Random, least: float, most: float) -> float:
+    return round(rng.uniform(least, most), 4)
+
+
+def random_scene(rng: random.Random) -> dict[str, Any]:
+    """Return the content of a scene file with random bodies in a random room."""
+
+    def sizes(*names: str) -> dict[str, float]:
+        return {name: _number(rng, 0.005, 0.08) for name in names}
+
+    def shape(depth: int = 0) -> dict[str, Any]:
+        kinds: list[dict[str, Any]] = [
+            {"type": "sphere", **sizes("radius")},
+            {"type": "box", "size": list(sizes("a", "b", "c").values())},
+            {"type": "cylinder", **sizes("radius", "height")},
+            {"type": "capsule", **sizes("radius", "length")},
+            {"type": "ellipsoid", "semi_axes": list(sizes("a", "b", "c").values())},
+            {"type": "cone", "bottom_radius": 0.03, "top_radius": 0.01, **sizes("height")},
+        ]
+        if depth == 0:
+            kinds.append({"type": "compound", "parts": [{"shape": shape(1), "pose": pose()} for _ in range(2)]})
+        return rng.choice(kinds)
+
+    def pose() -> dict[str, Any]:
+        return {
+            "position": [_number(rng, 0.3, 0.9), _number(rng, -0.3, 0.3), _number(rng, -0.2, 0.2)],
+            "rpy": [_number(rng, -3.0, 3.0) for _ in range(3)],
+        }
+
+    scene: dict[str, Any] = {
+        "format": 1,
+        "name": "random",
+        "enclosure": {"min": [0.0, -0.5, -0.5], "max": [1.2, 0.5, 0.5]},
+        "obstacles": {f"obstacle {i}": {"shape": shape(), "pose": pose()} for i in range(rng.randrange(3))},
+        "objects": {
+            f"object {i}": {"shape": shape(), "pose": pose(), "mass": 0.2} for i in range(1 + rng.randrange(2))
+        },
+    }
+    task = {"object": "object 0", "contact": {"friction": _number(rng, 0.1, 1.5)}}
+    if rng.random() < 0.5:
+        task["allowed_contacts"] = rng.choice(
+            (
+                {"type": "half_space", "normal": [0.0, 0.0, 1.0], "offset": 0.0},
+                {"type": "band", "z": [-0.01, 0.01]},
+                {"type": "any_of", "parts": [{"type": "ball", "center": [0.0, 0.0, 0.02], "radius": 0.05}]},
+            )
+        )
+    scene["tasks"] = {"task": task}
+    return scene
+
+
+def make_scene(folder: Path, rng: random.Random) -> None:
+    """Write a mutated scene, shipped or random."""
+    known = list(shipped_scenes().values())
+    tree = random_scene(rng) if rng.random() < 0.4 else copy.deepcopy(_content(rng.choice(known)))
+    _written(folder / "scene.yaml", tree, rng)
+
+
+def use_scene(folder: Path) -> None:
+    """Read a scene, write it again, place its objects."""
+    scene = pinograsp.load_scene(folder / "scene.yaml")
+    require_finite(scene.to_dict(), "scene")
+    if pinograsp.Scene.from_dict(scene.to_dict()) != scene:
+        raise AssertionError("a scene is not what it says of itself")
+    scene._repr_html_()
+    for name, body in (*scene.obstacles.items(), *scene.objects.items()):
+        require_finite(body.pose.matrix.tolist(), name)
+        if body.shape.type != "mesh":
+            surface = surface_of(body.shape)
+            require_finite([surface.radius, *surface.signed_distance(np.full((1, 3), 0.1))[0].tolist()], name)
+    for name, task in scene.tasks.items():
+        require_finite([*scene.wrench_of(task).vector.tolist(), scene.mass_of(task)], name)
+        check_placement(scene, name)
+
+
+# ---- Robots.
+
+
+def make_robot(folder: Path, rng: random.Random) -> None:
+    """Write a mutated robot file: of the toy, beside its URDF, or of a shipped robot."""
+    if rng.random() < 0.6:
+        urdf, tree = random_robot(rng)
+        (folder / "toy.urdf").write_text(urdf)
+    else:
+        file = rng.choice(list(shipped_robots().values()))
+        for beside in file.parent.iterdir():
+            shutil.copy(beside, folder)
+        tree = copy.deepcopy(_content(file))
+    _written(folder / "robot.yaml", tree, rng)
+
+
+def make_urdf(folder: Path, rng: random.Random) -> None:
+    """Write the toy robot with a mutated URDF."""
+    urdf, tree = random_robot(rng)
+    (folder / "robot.yaml").write_text(yaml.safe_dump(tree))
+    (folder / "toy.urdf").write_bytes(_mutated_xml(urdf, rng))
+
+
+def make_srdf(folder: Path, rng: random.Random) -> None:
+    """Write the toy robot with a mutated SRDF."""
+    urdf, tree = random_robot(rng)
+    pairs = '<disable_collisions link1="arm" link2="left" reason="Adjacent"/>' * 2
+    pairs = pairs.replace("arm", tree["arm"]["wrist"])
+    srdf = f'<robot name="toy"><group name="hand"><link name="left"/></group>{pairs}</robot>'
+    (folder / "toy.urdf").write_text(urdf)
+    (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"srdf": "toy.srdf"}))
+    (folder / "toy.srdf").write_bytes(_mutated_xml(srdf, rng))
+
+
+def _mutated_xml(text: str, rng: random.Random) -> bytes:
+    document = ET.fromstring(text)
+    if rng.random() >= RAW:
+        mutate_xml(document, rng)
+    data = ET.tostring(document)
+    return mutate_bytes(data, rng) if rng.random() < RAW else data
+
+
+def use_robot(folder: Path) -> None:
+    """Load a robot and move it."""
+    robot = pinograsp.load_robot(folder / "robot.yaml")
+    require_finite([*robot.lower.tolist(), *robot.upper.tolist()], "limits")
+    posture = 0.5 * (robot.lower + robot.upper)
+    require_finite(robot.joints_by_name(posture), "joints")
+
+
+# ---- Meshes.
+
+
+def make_mesh(folder: Path, rng: random.Random) -> None:
+    """Write a scene with a mutated mesh file."""
+    source = rng.choice(sources(Path(SOURCES[0]))["mesh"])
+    file = folder / f"body{source.suffix}"
+    content = source.read_bytes()
+    if rng.random() < 0.5 and not source.name.endswith("bin.stl"):
+        words = content.decode().split(" ")
+        words[rng.randrange(len(words))] = rng.choice(
+            ["nan", "inf", "1e300", "-1", "99", "", "1.5", "x", "1e-300", "\n"]
+        )
+        content = " ".join(words).encode()
+    file.write_bytes(mutate_bytes(content, rng) if rng.random() < 0.6 else content)
+    tree = _with_mesh(random_scene(rng), file.name, rng.choice(("m", "mm")))
+    (folder / "scene.yaml").write_text(yaml.safe_dump(tree))
+
+
+def _with_mesh(scene: dict[str, Any], file: str, unit: str) -> dict[str, Any]:
+    scene["objects"]["object 0"]["shape"] = {"type": "mesh", "file": file, "unit": unit}
+    scene["tasks"]["task"].pop("allowed_contacts", None)
+    return scene
+
+
+def use_mesh(folder: Path) -> None:
+    """Read a scene with a mesh and the mesh with it."""
+    scene = pinograsp.load_scene(folder / "scene.yaml")
+    surface = surface_of(scene.objects["object 0"].shape)
+    require_finite([surface.radius, *surface.signed_distance(np.zeros((1, 3)))[0].tolist()], "mesh")
+
+
+# ---- Results.
+
+
+def make_result(folder: Path, rng: random.Random) -> None:
+    """Write a mutated result."""
+    _written(folder / "result.json", copy.deepcopy(_content(rng.choice(sources(Path(SOURCES[0]))["result"]))), rng)
+
+
+def use_result(folder: Path) -> None:
+    """Read a result, and show and write it."""
+    result = pinograsp.read_json(folder / "result.json")
+    repr(result), result._repr_html_(), outcome_lines(result)
+    if result.grasps:
+        grasp_table(result).drawn(80)
+        result.ranked("Q"), result.pareto(), result.different()
+        require_finite([grasp.T_object_wrist.tolist() for grasp in result], "wrist")
+    json.dumps(encode(result), allow_nan=False)
+
+
+# ---- Databases.
+
+
+def make_database(folder: Path, rng: random.Random) -> None:
+    """Write a database with changed tables, rows, metadata or bytes."""
+    file = folder / "small.duckdb"
+    shutil.copy(rng.choice(sources(Path(SOURCES[0]))["database"]), file)
+    if rng.random() < 0.3:
+        file.write_bytes(mutate_bytes(file.read_bytes(), rng))
+        return
+    with (
+        duckdb.connect(str(file)) as connection,
+        contextlib.suppress(duckdb.Error),
+    ):  # not all that is tried can be done
+        _mutate_database(connection, rng)
+
+
+def _mutate_database(connection: duckdb.DuckDBPyConnection, rng: random.Random) -> None:
+    if rng.random() < 0.6:
+        metadata = {key: json.loads(value) for key, value in connection.execute("FROM metadata").fetchall()}
+        mutate_tree(metadata, rng)
+        connection.execute("DELETE FROM metadata")
+        for key, value in metadata.items():
+            connection.execute("INSERT INTO metadata VALUES (?, ?)", [str(key).replace("\0", ""), json.dumps(value)])
+    places = (("configurations", "q1"), ("configurations", "x"), ("batches", "drawn"), ("metadata", "value"))
+    table, column = rng.choice(places)
+    statements = (
+        f"DROP TABLE {table}",
+        f"ALTER TABLE {table} DROP COLUMN {column}",
+        f"ALTER TABLE {table} RENAME COLUMN {column} TO other",
+        f"ALTER TABLE {table} ADD COLUMN more DOUBLE",
+        f"UPDATE {table} SET {column} = NULL",
+        "UPDATE configurations SET x = 'nan' WHERE sample % 7 = 0",
+        "UPDATE configurations SET q2 = 'inf' WHERE sample % 5 = 0",
+        f"DELETE FROM {table}",
+        "CREATE VIEW more AS SELECT * FROM read_text('/etc/hostname')",
+        "CREATE MACRO isfinite(a) AS true",
+    )
+    if rng.random() < 0.6:
+        connection.execute(rng.choice(statements))
+
+
+def use_database(folder: Path) -> None:
+    """Open a database, ask it and export it."""
+    with Database.open(folder / "small.duckdb") as database:
+        json.dumps(database.info(), allow_nan=False)
+        found = configurations_near(database, [0.6, 0.0, 0.0], 0.5, limit=50)
+        require_finite([found.q.tolist(), found.positions.tolist()], "configurations")
+        spread_configurations(database, [0.6, 0.0, 0.0], 0.5, 20)
+        database.export_parquet(folder / "out.parquet")
+    exported = duckdb.sql(f"SELECT * FROM '{folder / 'out.parquet'}'").columns
+    if any("hostname" in column for column in exported):
+        raise AssertionError("an export holds another file")
+
+
+# ---- Caches.
+
+
+def make_cache(folder: Path, rng: random.Random) -> None:
+    """Write nothing: the cache that is damaged is made where it is used."""
+    (folder / "seed").write_text(str(rng.randrange(2**32)))
+
+
+def use_cache(folder: Path) -> None:
+    """Keep arrays, damage their file, and get them again."""
+    rng, wanted = random.Random(int((folder / "seed").read_text())), np.arange(100.0)
+    place = next(iter(cache_folders())) / "fuzz"
+
+    def get() -> Any:
+        return kept("fuzz", "arrays", lambda: wanted, lambda value: {"a": value}, lambda arrays: arrays["a"])
+
+    get()
+    file = place / "arrays.npz"
+    file.write_bytes(mutate_bytes(file.read_bytes(), rng))
+    if not np.array_equal(get(), wanted):
+        raise AssertionError("a damaged cache was taken")
+
+
+def require_finite(data: Any, what: str) -> None:
+    """Refuse a number that is not finite, anywhere in data.
+
+    Raises:
+        SilentNaNError: there is one.
+    """
+    for number in _numbers(data):
+        if not math.isfinite(number):
+            raise SilentNaNError(what)
+
+
+def _numbers(data: Any) -> Iterator[float]:
+    if isinstance(data, Mapping):
+        data = list(data.values())
+    if isinstance(data, list | tuple):
+        for part in data:
+            yield from _numbers(part)
+    elif isinstance(data, float):
+        yield data
+
+
+SOURCES: list[str] = []
+"""The folder of `prepare`."""
+KINDS = {
+    "scene": Kind(make_scene, use_scene, None),
+    "robot": Kind(make_robot, use_robot, lambda folder: ["robot", "check", str(folder / "robot.yaml")]),
+    "urdf": Kind(make_urdf, use_robot),
+    "srdf": Kind(make_srdf, use_robot),
+    "mesh": Kind(make_mesh, use_mesh),
+    "result": Kind(make_result, use_result, lambda folder: ["rank", str(folder / "result.json")]),
+    "database": Kind(make_database, use_database, lambda folder: ["database", "info", str(folder / "small.duckdb")]),
+    "cache": Kind(make_cache, use_cache),
+}
