@@ -76,7 +76,7 @@ def test_a_fine_mesh_leads_to_the_grasps_of_its_shape(name: str, gen3: Robot, gl
     for solution in solved:
         assert solution.state is not None
         gaps = meshed.surface.exact_distances((solution.state.contacts.points - origin) @ R)
-        assert np.abs(gaps).max() < 5e-5
+        assert np.abs(gaps).max() < 2e-6
         tilts = np.linalg.norm(tilt_of(solution.state).values.reshape(-1, 3), axis=1)
         assert np.degrees(tilts).max() < 5.0
 
