@@ -32,6 +32,7 @@ from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
 from pinograsp.verification.patches import heights, nearest_on_patch
+from pinograsp.verification.plain_faces import crossed
 from pinograsp.verification.region_depth import least_depth
 from pinograsp.verification.rubber import PadLink
 from pinograsp.verification.shapes import PlacedShape
@@ -116,7 +117,7 @@ def test_the_footprint_normal_is_the_mean_over_facets() -> None:
         radial = np.array([math.cos(angle), math.sin(angle), 0.0])
         normal = can.outward(0.02995 * radial)
         assert math.acos(min(1.0, normal @ radial)) < math.radians(0.2)
-        assert abs(normal[2]) < 1e-12
+        assert abs(normal[2]) < 5e-4
 
 
 def test_the_footprint_normal_is_the_gradient_of_the_smoothed_distance() -> None:
@@ -131,11 +132,63 @@ def test_the_footprint_normal_is_the_gradient_of_the_smoothed_distance() -> None
     assert math.acos(min(1.0, body.outward(point) @ slope)) < math.radians(0.5)
 
 
+def test_points_before_and_behind_a_facet_are_told_apart() -> None:
+    """They are as far from each other as their distances add up to, which rounding makes a little less, or more."""
+    box, rng = trimesh.creation.box(extents=[0.029, 0.03, 0.06]), np.random.default_rng(0)
+    T = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    body = body_of(box.apply_transform(T))
+    for _ in range(200):
+        heights = np.array([-0.0015, -0.0005, 0.0005, 0.0015]) + rng.uniform(-4e-7, 4e-7)
+        points = np.column_stack([0.0145 + heights, *np.tile(rng.uniform(-0.01, 0.01, 2), (4, 1)).T])
+        np.testing.assert_array_equal(body.distances(points @ T[:3, :3].T) < 0.0, heights < 0.0)
+
+
+@pytest.mark.parametrize("kind", ["parts that cross", "a hole", "a mug", "two sides of one sheet"])
+def test_points_are_inside_where_the_surface_goes_around_them(kind: str) -> None:
+    if kind == "parts that cross":
+        other = trimesh.creation.box(extents=[0.02, 0.05, 0.013])
+        mesh = trimesh.util.concatenate(
+            [trimesh.creation.icosphere(subdivisions=2, radius=0.02), turned(other, 0.4, [1, 2, 3])]
+        )
+    elif kind == "a hole":
+        mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
+        mesh.update_faces(np.linalg.norm(mesh.triangles_center - [0.0, 0.0, 0.02], axis=1) > 0.006)
+    elif kind == "a mug":
+        mesh = mug()
+    else:
+        mesh = trimesh.util.concatenate([trimesh.creation.box(extents=[0.04, 0.04, 0.02])] * 2)
+        mesh.vertices[:8] += [0.0, 0.0, 0.02]
+    body, rng = body_of(mesh), np.random.default_rng(0)
+    places = body.vertices[body.faces[rng.integers(len(body.faces), size=4000)]]
+    points = np.einsum("nk,nki->ni", rng.dirichlet([1, 1, 1], 4000), places)
+    points += rng.choice([1e-5, 1e-3, 5e-3], size=(4000, 1)) * rng.normal(size=(4000, 3))
+    apart = body.distances(points)
+    told = np.abs(apart) > 1e-8
+    np.testing.assert_array_equal((apart < 0.0)[told], body.contains(points)[told])
+
+
+def test_triangles_that_others_cross_are_found() -> None:
+    box = trimesh.creation.box(extents=[1.0, 1.0, 1.0])
+    assert not crossed(*arrays(box)).any()
+    spike = trimesh.creation.cone(radius=0.05, height=0.4, sections=5)
+    spike.apply_translation([0.2, 0.1, 0.4])
+    found = crossed(*arrays(trimesh.util.concatenate([box, spike])))
+    top = box.triangles_center[:, 2] > 0.49
+    assert found[:12][top].sum() == 1  # of the two triangles of the top
+    assert not found[:12][~top].any()
+    assert found[12:].any()
+    # A fan around one corner, one of whose triangles was folded through another.
+    fan = np.array(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.6, 0.2, -0.5], [0.2, 0.3, 0.5], [-1, 0, 0], [0, -1, 0]], dtype=float
+    )
+    np.testing.assert_array_equal(crossed(fan, np.array([[0, 1, 2], [0, 3, 4], [0, 5, 6]])), [True, True, False])
+
+
 @pytest.mark.parametrize(("thickness", "sigma"), [(0.005, 0.002), (0.0035, 0.0015), (0.0025, 0.001), (0.0008, 0.0005)])
 def test_the_footprint_is_narrower_where_the_body_is_thin(thickness: float, sigma: float) -> None:
     plate = body_of(trimesh.creation.box(extents=[0.08, 0.06, thickness]).subdivide_to_size(0.003))
     assert plate.sigma == sigma
-    np.testing.assert_allclose(plate.outward(np.array([0.01, 0.0, 0.5 * thickness])), [0, 0, 1], atol=1e-9)
+    np.testing.assert_allclose(plate.outward(np.array([0.01, 0.0, 0.5 * thickness])), [0, 0, 1], atol=3e-3)
 
 
 def test_a_small_hole_keeps_the_sign() -> None:
@@ -353,18 +406,19 @@ def test_a_least_resistance_may_be_asked_for(case: Case, check: Check) -> None:
 
 
 def test_pads_may_tilt_as_far_as_rubber_gives(case: Case, check: Check) -> None:
-    """1 mm of rubber over half sides of 18 and 10 mm: 3.2 and 5.7 degrees, and half a degree of tolerance."""
+    """1 mm of rubber over half sides of 18 and 10 mm: 3.2 and half a degree of tolerance; 5 degrees, less than 5.7."""
     for degrees, axis, holds in [
         (3.5, (0.0, 0.0, 1.0), True),
         (4.0, (0.0, 0.0, 1.0), False),
-        (6.0, (0.0, 1.0, 0.0), True),
-        (6.5, (0.0, 1.0, 0.0), False),
+        (4.9, (0.0, 1.0, 0.0), True),
+        (5.1, (0.0, 1.0, 0.0), False),
     ]:
         certificate = check(block(case, math.radians(degrees), axis))
         tilt = certificate["pad tangency"]
         assert tilt.value == pytest.approx(math.radians(degrees), abs=math.radians(0.05))
         assert tilt.holds is holds
-        assert tilt.limit == pytest.approx(math.atan(0.001 / (0.018 if axis[2] else 0.010)) + math.radians(0.5))
+        limit = math.atan(0.001 / 0.018) + math.radians(0.5) if axis[2] else math.radians(5.0)
+        assert tilt.limit == pytest.approx(limit)
         assert names(certificate) - {"pad clearance"} == (set() if holds else {"pad tangency"})
         assert certificate["pad clearance"].holds or not holds
         if axis[1] and holds:  # on the other axis the ends of the box are nearer

@@ -30,7 +30,7 @@ import numpy as np
 from ..arrays import Array, Mask
 from ..geometry.hull_points import hull_points, simplified
 from ..geometry.hulls import Hull
-from ..geometry.patches import above, face_point, face_ranges
+from ..geometry.patches import above, face_normal, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
 from ..geometry.shapes import UnevenSurface
@@ -53,6 +53,8 @@ HIDDEN = 1e-5
 """How deep in another solid of its link a point must be to be left out, m."""
 PAD_SPACING = 0.002
 """Between points of the face of a pad, m."""
+LID_SPACING = 0.0004
+"""Between points where rubber ends, at least, m; otherwise the depth by which it yields."""
 
 
 class Facets(NamedTuple):
@@ -141,8 +143,9 @@ def pad_points(robot: Robot) -> ObjectPoints:
     """Return the points of pads and of what is behind them.
 
     Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
-    what backs it is off the object by a little. The face of a pad is in four quarters, so that it is known on which
-    sides it is too deep.
+    what backs it is off the object by a little, and so is the border of both within the link: a thin wall can pass
+    between all points of a face, and be out again on the other side of those that are in it. The face of a pad is in
+    four quarters, so that it is known on which sides it is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
     sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
@@ -160,8 +163,10 @@ def _link_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...
 
 @remembered
 def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    faces = [quarter for number, pad in enumerate(robot.with_pads(pads).pads) for quarter in _quarters(number, pad)]
-    return _planted([*faces, *(found for found in _solid_sets(robot, pads) if found.pads)])
+    padded = robot.with_pads(pads)
+    faces = [quarter for number, pad in enumerate(padded.pads) for quarter in _quarters(number, pad)]
+    lids = [lid for number in range(len(pads)) if len((lid := _lid(padded, number)).points)]
+    return _planted([*faces, *lids, *(found for found in _solid_sets(robot, pads) if found.pads)])
 
 
 def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
@@ -217,6 +222,16 @@ def _on_solid(robot: Robot, link: str, number: int, apart: float) -> tuple[Array
     return points, within
 
 
+def _in_link(robot: Robot, link: str, points: Array) -> Mask:
+    """Return which points, joint's frame, shape (n, 3), are in a solid of a link; all if one of these is round."""
+    [body] = [body for body in link_bodies(robot) if body.name == link]
+    inside = np.zeros(len(points), dtype=bool)
+    for solid, hull in zip(body.solids, _hulls(robot, link), strict=True):
+        R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
+        inside |= True if hull is None else hull.holds((points - origin) @ R)
+    return inside
+
+
 def _facets(solid: Solid, hull: Hull | None) -> Facets | None:
     if hull is None:
         return None
@@ -254,6 +269,22 @@ def _quarters(number: int, pad: Pad) -> list[PointSet]:
             points = grid @ pad.rotation.T + pad.translation
             found.append(PointSet(pad.description.link, pad.joint, points, (number,), True, 0.0, 0.0))
     return found
+
+
+def _lid(robot: Robot, number: int) -> PointSet:
+    """Return points where the rubber below the face of a pad ends and its backing begins, within the link."""
+    pad = robot.pads[number]
+    depth, spacing = pad.description.rubber_depth, max(pad.description.rubber_depth, LID_SPACING)
+    u, v = (
+        np.linspace(low, high, 1 + math.ceil((high - low) * length / spacing))
+        for low, high, length in face_ranges(pad.patch)
+    )
+    face = np.array([face_point(pad.patch, a, b) for a in u for b in v])
+    outward = np.array([face_normal(pad.patch, a, b) for a in u for b in v])
+    points = (face - RUBBER * depth * outward) @ pad.rotation.T + pad.translation
+    beside = [i for i, other in enumerate(robot.pads) if other.description.link == pad.description.link and i != number]
+    points = points[~_in_rubber(robot, tuple(beside), points) & _in_link(robot.unmounted, pad.description.link, points)]
+    return PointSet(pad.description.link, pad.joint, points, (number,), False, spacing / math.sqrt(2.0), 0.0)
 
 
 def _halves(low: float, high: float, length: float) -> list[Array]:

@@ -102,6 +102,11 @@ def face_point(patch: Patch, u: float, v: float) -> Array:
     return patch_point(patch, np.array([u, v])).point
 
 
+def face_normal(patch: Patch, u: float, v: float) -> Array:
+    """Return the outward unit normal of the face at these parameters, patch frame, shape (3,)."""
+    return _UP if isinstance(patch, LinePatch) else patch_point(patch, np.array([u, v])).normal
+
+
 _UP = np.array([0.0, 0.0, 1.0])
 _ALONG = np.eye(3)
 _STRAIGHT = np.zeros((3, 2))

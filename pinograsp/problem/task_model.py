@@ -90,6 +90,11 @@ class TaskModel:
         distances, normals, hessians = self.surface.signed_distance((points - origin) @ R)
         return distances, normals @ R.T, R @ hessians @ R.T
 
+    def exact_distances(self, points: Array) -> Array:
+        """Return the signed distances of world points, shape (n, 3), to the object, not interpolated, m, shape (n,)."""
+        R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]
+        return self.surface.exact_distances((points - origin) @ R)
+
     def footprint(self, points: Array) -> tuple[Array, Array]:
         """Return the outward normals that a pad feels at world points, and derivatives; shapes (n, 3), (n, 3, 3)."""
         R, origin = self.T_world_object[:3, :3], self.T_world_object[:3, 3]

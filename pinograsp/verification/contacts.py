@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.hand import PadDescription
+from ..descriptions.mesh_contact import LARGEST_TILT
 from ..descriptions.regions import Region
 from .certificate import Figure
 from .kinematics import Poses
@@ -77,16 +78,19 @@ class Pads:
         # From the patch's frame into the world: the pose of the world in the patch's frame.
         return [rubber.moved(R.T, -R.T @ origin) for rubber, R, origin in poses]
 
-    def tilts(self, points: Array, inward: Array) -> tuple[Array, Array]:
-        """Return the tilts of the pads about their two axes, and what their rubber allows, rad, shape (pads, 2) each.
+    def tilts(self, points: Array, inward: Array, turn: float) -> tuple[Array, Array]:
+        """Return the tilts of the pads about their two axes and about any, and their limits, rad, shape (pads, 3) each.
 
         With n the inward normal at world point i in the frame of pad i there, and a and b half its sides, rubber that
-        yields by d allows atan(d / a) along x and atan(d / b) along y, of atan(|n_x| / n_z) and atan(|n_y| / n_z).
+        yields by d allows atan(d / a) along x and atan(d / b) along y, of atan(|n_x| / n_z) and atan(|n_y| / n_z). The
+        normal may be off by `turn`, rad. The angle of n with the pad's normal is at most `LARGEST_TILT`.
         """
         local = zip(self.pads, self.to_pads(points), self.rotations, inward, strict=True)
         normals = np.array([rubber_at(pad.patch, point, 0.0).rotation.T @ R.T @ n for pad, point, R, n in local])
-        allowed = [np.arctan2(pad.rubber_depth, half_sides(pad.patch)) for pad in self.pads]
-        return np.arctan2(np.abs(normals[:, :2]), normals[:, 2:]), np.array(allowed)
+        allowed = [np.arctan2(pad.rubber_depth, half_sides(pad.patch)) + turn for pad in self.pads]
+        slopes = np.column_stack([np.abs(normals[:, :2]), np.linalg.norm(normals[:, :2], axis=1)])
+        limits = np.column_stack([allowed, np.full(len(allowed), LARGEST_TILT)])
+        return np.arctan2(slopes, normals[:, 2:]), limits
 
     def rims(self, points: Array) -> Array:
         """Return how far world point i is from the rim of pad i, along the pad, shape (pads,), m."""
@@ -128,10 +132,10 @@ def _tilt(normals: Array, inward: Array, pads: Pads) -> Figure:
 
 
 def _tilt_in_cone(points: Array, inward: Array, pads: Pads, turn: float) -> Figure:
-    """Return the tilt of the pad, about one of its axes, that is nearest to what its rubber allows."""
-    tilts, allowed = pads.tilts(points, inward)
-    pad, axis = np.unravel_index(int((tilts - allowed).argmax()), tilts.shape)
-    limit = float(allowed[pad, axis]) + turn
+    """Return the tilt of the pad, about one of its axes or any, that is nearest to its limit."""
+    tilts, limits = pads.tilts(points, inward, turn)
+    pad, axis = np.unravel_index(int((tilts - limits).argmax()), tilts.shape)
+    limit = float(limits[pad, axis])
     return Figure("pad tangency", float(tilts[pad, axis]), limit, "rad", "at most", pads.names[int(pad)])
 
 

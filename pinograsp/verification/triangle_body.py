@@ -12,54 +12,71 @@ Shifting the integration variable, q = p + sigma z, puts p into phi alone, whose
 
     grad (d * G)(p) = 1 / sigma  integral of d(p + sigma z) z phi(z) dz
 
-Gauss-Hermite quadrature along each axis, with nodes x_i and weights w_i of the weight exp(-x^2 / 2), makes it
+The mean over a lattice of nodes z, body-centred cubic with cubes of edge 1, makes it
 
-    n  is parallel to  sum over i, j, k of w_i w_j w_k d(p + sigma z) z,     z = (x_i, x_j, x_k)
+    n  is parallel to  sum over z of d(p + sigma z) z exp(-|z|^2 / 2),     |z| <= 4
 
-which needs distances only, no derivative of them, and is exact for polynomials d of degree 14 along each axis.
+which needs distances only, no derivative of them. A lattice sum errs by the waves in what is summed that look constant
+on the lattice. The longest of them measure 1 / sqrt(2), and the kinks that a distance has at edges and in the middle of
+walls hold little of them. The lattice is turned, to lie along no face of a body whose faces lie along its axes.
+
+**Inside.** A point that has its foot, the nearest point of all triangles, on a triangle that no other one crosses is
+inside if that side of the triangle is (`plain_faces`), by a look `BESIDE` beside its middle: narrower gaps count as
+filled. If the foot is on an edge of two such triangles, the one whose plane is farther from the point tells. All
+other points, and those next to openings, are asked for their winding number.
 """
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
 import igl
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
 
+from ..array_cache import kept
 from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
+from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
+from .plain_faces import Openings, barycentric, crossed, neighbours
 
-NODES = 8
-"""Of the quadrature along each axis."""
+REACH = 4.0
+"""Of the lattice of the footprint normal, in sigma."""
+TURN = (0.5, 0.3, 0.7)
+"""Axis of the lattice's turn, times its angle, rad; no special one."""
+VERSION = 1
+"""Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
-NEIGHBOURS = 9
-"""Of points, itself among them, that are looked at to find what no triangle parts."""
 BESIDE = 1e-6
 """How far beside a triangle it is asked whether there is an outside, m."""
 PLACES = 6
 """Along an edge, at which it is asked where a triangle has none at its middle."""
+PIECE, PIECES = 0.005, 30
+"""Longest edge of triangles in trees, m; of a large body its extent divided by so much, if that is more."""
+_CORNER = 1e-9
+"""Share of a triangle's corner in a foot below which it counts as none."""
+_LEVEL = 1e-12
+"""Distance from a plane below which a point is on neither side of it, m."""
 
 
 def _quadrature() -> tuple[Array, Array]:
     """Return the nodes z, shape (n, 3), and the weights times z, shape (n, 3)."""
-    x, w = np.polynomial.hermite_e.hermegauss(NODES)
-    nodes = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1).reshape(-1, 3)
-    weights = np.stack(np.meshgrid(w, w, w, indexing="ij"), axis=-1).reshape(-1, 3).prod(axis=1)
-    return nodes, weights[:, None] * nodes
+    steps = np.arange(-math.ceil(REACH), math.ceil(REACH) + 1.0)
+    cubes = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    nodes = np.concatenate([cubes, cubes + 0.5])
+    nodes = Rotation.from_rotvec(TURN).apply(nodes[(nodes * nodes).sum(axis=1) <= REACH * REACH])
+    return nodes, np.exp(-0.5 * (nodes * nodes).sum(axis=1))[:, None] * nodes
 
 
 def _places() -> Array:
-    """Return shares of the corners of a triangle, its middle first, shape (n, 3)."""
+    """Return shares of the corners of a triangle, shape (n, 3)."""
     grid = [(i, j, PLACES - 1 - i - j) for i in range(PLACES) for j in range(PLACES - i)]
-    shares = (np.array(grid) + 0.1) / (PLACES - 1 + 0.3)
-    return np.vstack([np.full(3, 1.0 / 3.0), shares])
+    return np.asarray((np.array(grid) + 0.1) / (PLACES - 1 + 0.3))
 
 
 _NODES, _WEIGHTED = _quadrature()
@@ -79,12 +96,30 @@ class TriangleBody:
         self._around = np.ascontiguousarray(faces, dtype=np.int64)
         self.middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         """Of the bounding box, shape (3,)."""
+        self._whole = _Tree(self.vertices, self._around)
         self._winding = igl.FastWindingNumberBVH()
-        self._winding.init(self.vertices, self._around)
-        self.faces = np.ascontiguousarray(self._around[self._bounding()])
+        self._winding.init(self._whole.vertices, self._whole.faces)
+        self._openings = Openings(self.vertices, self._around)
+        self._corners = self.vertices[self._around]
+        across = np.cross(self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0])
+        self._normals = across / np.linalg.norm(across, axis=1)[:, None]
+        known = kept("bodies", self._key()[:32], self._known, lambda found: found, dict)
+        self._front, self._back, self._plain = known["front"], known["back"], known["plain"]
+        self._beside = neighbours(self._around)
+        self.faces = np.ascontiguousarray(self._around[known["bounding"]])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
-        self._skin = _aabb(self.vertices, self.faces)
-        self._all = self._skin if len(self.faces) == len(self._around) else _aabb(self.vertices, self._around)
+        self._skin = self._whole if known["bounding"].all() else _Tree(self.vertices, self.faces)
+
+    def _key(self) -> str:
+        return digest(b"%d %d " % (VERSION, len(self.vertices)) + self.vertices.tobytes() + self._around.tobytes())
+
+    def _known(self) -> dict[str, Any]:
+        """Return which triangles bound the body, are plain, and have its inside in front of them or behind."""
+        middles, step = self._corners.mean(axis=1), BESIDE * self._normals
+        front, back = self.contains(middles + step), self.contains(middles - step)
+        radii = np.linalg.norm(self._corners - middles[:, None], axis=2).max(axis=1)
+        plain = ~crossed(self.vertices, self._around) & ~self._openings.near(middles, radii)
+        return {"front": front, "back": back, "plain": plain, "bounding": self._bounding(~front | ~back)}
 
     def contains(self, points: Array) -> Mask:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
@@ -95,33 +130,29 @@ class TriangleBody:
 
         From outside all triangles count; from inside, those that bound the body.
         """
-        found: Array = np.sqrt(self._all.squared_distance(self.vertices, self._around, points)[0])
-        inside = self._inside(points, found)
-        if self._skin is self._all:
-            found[inside] *= -1.0
-        else:
-            found[inside] = -np.sqrt(self._skin.squared_distance(self.vertices, self.faces, points[inside])[0])
+        points = np.ascontiguousarray(points)
+        found, numbers, feet = self._whole.nearest(points)
+        inside = self._inside(points, numbers, feet)
+        found[inside] = -found[inside] if self._skin is self._whole else -self._skin.nearest(points[inside])[0]
         return found
 
-    def _inside(self, points: Array, apart: Array) -> Mask:
-        """Whether points are inside: `contains`, asked for one of all those that no triangle parts.
-
-        No triangle enters the ball around a point with its distance as the radius. So none crosses the way between two
-        points that are less apart than the sum of their distances.
-
-        Args:
-            points: shape (n, 3).
-            apart: distance of each to the nearest triangle, shape (n,).
-        """
-        shape = (len(points), min(NEIGHBOURS, len(points)))
-        ways, others = (part.reshape(shape) for part in KDTree(points).query(points, k=shape[1]))
-        one, which = np.nonzero(ways < apart[:, None] + apart[others])
-        joined = coo_array((np.ones(len(one)), (one, others[one, which])), shape=(len(points), len(points)))
-        count, group = connected_components(joined, directed=False)
-        asked = np.empty(count, dtype=np.intp)
-        order = np.argsort(apart)
-        asked[group[order]] = order  # the last one of each group, which is farthest from all triangles
-        return np.asarray(self.contains(points[asked])[group])
+    def _inside(self, points: Array, numbers: Indices, feet: Array) -> Mask:
+        """Whether points are inside, given the triangles that are nearest to them and their feet on these."""
+        shares = barycentric(feet, *self._corners[numbers].transpose(1, 0, 2))
+        missing = shares < _CORNER
+        edge = missing.sum(axis=1) == 1
+        beside = np.where(edge, self._beside[numbers, missing.argmax(axis=1)], numbers)
+        ways = points - feet
+        heights = (ways * self._normals[numbers]).sum(axis=1)
+        others = (ways * self._normals[beside]).sum(axis=1)
+        told = (missing.sum(axis=1) < 2) & (beside >= 0) & self._plain[numbers] & self._plain[beside]
+        told &= ~self._openings.near(points)
+        nearer = np.abs(heights) < np.abs(others)
+        numbers, heights = np.where(nearer, beside, numbers), np.where(nearer, others, heights)
+        told &= np.abs(heights) > _LEVEL
+        inside: Mask = np.where(heights > 0.0, self._front[numbers], self._back[numbers])
+        inside[~told] = self.contains(points[~told])
+        return inside
 
     def outward(self, point: Array) -> Array:
         """Footprint normal at a point, unit length, outward, shape (3,); not a number where it has no direction."""
@@ -129,16 +160,17 @@ class TriangleBody:
         length = float(np.linalg.norm(slope))
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
-    def _bounding(self) -> Mask:
-        """Return which triangles have an outside next to them, on one of their sides at one of many places."""
-        corners = self.vertices[self._around]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        step = BESIDE * across / np.linalg.norm(across, axis=1)[:, None]
-        bounding = np.zeros(len(corners), dtype=bool)
+    def _bounding(self, bounding: Mask) -> Mask:
+        """Return which triangles have an outside next to them, on one of their sides at one of many places.
+
+        Args:
+            bounding: which have one at their middle, shape (f,).
+        """
+        bounding = bounding.copy()
         for shares in _PLACES:
-            for side in (1.0, -1.0):
+            for side in (BESIDE, -BESIDE):
                 rest = np.flatnonzero(~bounding)
-                bounding[rest] = ~self.contains(shares @ corners[rest] + side * step[rest])
+                bounding[rest] = ~self.contains(shares @ self._corners[rest] + side * self._normals[rest])
         return bounding
 
     @cached_property
@@ -200,10 +232,27 @@ class TriangleBody:
         return triangles, numbers
 
 
-def _aabb(vertices: Array, faces: Integers) -> Any:
-    tree = igl.AABB()
-    tree.init(vertices, faces)
-    return tree
+class _Tree:
+    """Tree of triangles; large ones in pieces, since boxes around needles hold much that is not near them.
+
+    Args:
+        vertices: shape (v, 3), m.
+        faces: shape (f, 3).
+    """
+
+    def __init__(self, vertices: Array, faces: Integers) -> None:
+        size = max(PIECE, float(np.ptp(vertices, axis=0).max()) / PIECES)
+        found = trimesh.remesh.subdivide_to_size(vertices, faces, size, max_iter=30, return_index=True)
+        self.vertices = np.ascontiguousarray(found[0], dtype=np.float64)
+        self.faces = np.ascontiguousarray(found[1], dtype=np.int64)
+        self._owners = np.asarray(found[2])
+        self._tree = igl.AABB()
+        self._tree.init(self.vertices, self.faces)
+
+    def nearest(self, points: Array) -> tuple[Array, Indices, Array]:
+        """Return distances of points, shape (n, 3), to the nearest triangle, m, its number, and the feet on it."""
+        squares, numbers, feet = self._tree.squared_distance(self.vertices, self.faces, np.ascontiguousarray(points))
+        return np.sqrt(squares), self._owners[numbers], feet
 
 
 def _cut(triangles: Array, normal: Array, offset: float) -> tuple[Array, Indices]:

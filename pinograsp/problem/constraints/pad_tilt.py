@@ -6,17 +6,22 @@ the object, in the pad's frame (x, y, outward), keeps
     |n_x| <= -(delta / a) n_z,    |n_y| <= -(delta / b) n_z
 
 which are four linear inequalities, and which only a normal that faces the pad can keep: n_z < 0. On a curved pad the
-frame is that of the contact: x along a cylinder, y around it; on a ball, around which no direction is special,
-|n_pad + n|^2 <= (delta / radius)^2.
+frame is that of the contact: x along a cylinder, y around it. In no direction is the tilt more than an angle either:
+
+    |n_pad + n| <= STEEPEST
+
+On a ball, around which no direction is special, |n_pad + n| <= delta / radius besides.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from ...arrays import Array, cross
+from ...descriptions.mesh_contact import LARGEST_TILT, TURN
 from ...descriptions.patches import SpherePatch
 from ...geometry.patches import half_sides
 from ...kinematics.robot import Pad
@@ -27,6 +32,8 @@ from .pad_tangency import PROJECTED, tilt_of, violation_of
 
 WITHIN = 0.005
 """How far inside its cone a normal must be, rad: the check finds the normal in another way."""
+STEEPEST = 2.0 * math.sin(0.5 * (LARGEST_TILT - TURN))
+"""Largest sum of the normals of pad and object, of which the check may find as much more as two ways may differ by."""
 
 
 class PadTilt(Inside):
@@ -42,7 +49,7 @@ class PadTilt(Inside):
         self.scale = PER_METRE * self._rho
         self._slopes = [pad.description.rubber_depth / half_sides(pad.patch) for pad in self._pads]
         self.least = min(WITHIN, 0.5 * float(np.min(self._slopes)))
-        names = [(pad.description.name, ["1"] if _round(pad) else ["x", "-x", "y", "-y"]) for pad in self._pads]
+        names = [(pad.description.name, ["1"] if _round(pad) else ["1", "x", "-x", "y", "-y"]) for pad in self._pads]
         self._owners = [pad for pad, (_, sides) in enumerate(names) for _ in sides]
         self.rows = tuple(f"pad tilt of {pad}, {side}" for pad, sides in names for side in sides)
 
@@ -53,12 +60,12 @@ class PadTilt(Inside):
         for i, pad in enumerate(self._pads):
             n, d_n = normals[i], turning[i] @ contacts.d_points[i]
             up, d_up = contacts.normals[i], contacts.d_normals[i]
+            steepest = min(STEEPEST, float(self._slopes[i][0])) if _round(pad) else STEEPEST
+            apart = n + up
+            values[row] = 0.5 * (steepest * steepest - apart @ apart) / steepest
+            jacobian[row] = -(apart @ (d_n + d_up)) / steepest
+            row += 1
             if _round(pad):
-                slope = float(self._slopes[i][0])
-                apart = n + up
-                values[row] = 0.5 * (slope * slope - apart @ apart) / slope
-                jacobian[row] = -(apart @ (d_n + d_up)) / slope
-                row += 1
                 continue
             facing, d_facing = -(n @ up), -(up @ d_n + n @ d_up)
             x, d_x = self._axis(state, pad)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ...arrays import Array
+from ...descriptions.mesh_contact import TURN
 from ...descriptions.shapes import Mesh
 from ..footprint import tangents
 from ..object_mesh import object_mesh
@@ -29,7 +30,7 @@ class MeshGeometry:
     Pads yield: a facet's normal is not the surface's, and no plane is tangent to the corners of a polyhedron.
     """
 
-    limits: Limits = Limits(gap=GAP, region=5e-5, margin=2e-4, turn=math.radians(0.5), yields=True)
+    limits: Limits = Limits(gap=GAP, region=5e-5, margin=2e-4, turn=TURN, yields=True)
 
     def __init__(self, shape: Mesh) -> None:
         self._body = object_mesh(shape)
