@@ -20,7 +20,7 @@ from ..problem.pair_holds import Holds
 from ..problem.proposals import ContactPair
 from .projection import descend
 
-WAYS = 2
+WAYS = 3
 """Ways to hold a pair that are tried, at most."""
 MOVED = 0.01
 """How far contacts may be from their points then, m."""
@@ -66,9 +66,8 @@ class PairTrials:
             pair: of points.
             holds: ways to hold it.
         """
-        step = -(-len(holds.pads) // WAYS)
-        for T_object_pad, order in zip(holds.pads[::step], holds.orders[::step], strict=True):
-            state = self._state(pair, holds, T_object_pad, order)
+        for way in _apart(holds.approaches):
+            state = self._state(pair, holds, way)
             if state is not None:
                 T = state.model.T_world_object
                 points, normals, jacobians = state.grasp
@@ -76,12 +75,12 @@ class PairTrials:
                 return Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
         return None
 
-    def _state(self, pair: ContactPair, holds: Holds, T_object_pad: Array, order: Array) -> State | None:
+    def _state(self, pair: ContactPair, holds: Holds, way: int) -> State | None:
         """Return the state in which a pair is held in about one of the ways, if there is one."""
         model, scene = self._model, self._model.scene
-        T = wrist_pose(self._configuration) @ holds.T_wrist_pad @ np.linalg.inv(T_object_pad)
+        T = wrist_pose(self._configuration) @ holds.T_wrist_pad @ np.linalg.inv(holds.pads[way])
         model = model.moved(model.task.object, scene.with_object_pose(model.task.object, T))
-        problem = GraspProblem(model, tuple(order.tolist()), desired=pair.desired(model))
+        problem = GraspProblem(model, tuple(holds.orders[way].tolist()), desired=pair.desired(model))
         x = 0.5 * (problem.lower + problem.upper)
         size = model.robot.arm_size
         x[:size], x[size : model.robot.posture_size] = self._configuration.posture[:size], holds.synergies
@@ -93,6 +92,16 @@ class PairTrials:
         state = problem.state(x)
         moved = np.linalg.norm(state.contacts.points - state.desired, axis=1)
         return state if moved.max() <= MOVED else None
+
+
+def _apart(approaches: Array) -> list[int]:
+    """Return up to `WAYS` numbers of directions, each as far as possible from the lines along those before it."""
+    chosen = [0]
+    while len(chosen) < min(WAYS, len(approaches)):
+        along = np.abs(approaches @ approaches[chosen].T).max(axis=1)
+        along[chosen] = np.inf
+        chosen.append(int(along.argmin()))
+    return chosen
 
 
 def _loose(model: TaskModel) -> Configuration:
