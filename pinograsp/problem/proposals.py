@@ -9,11 +9,15 @@ Points are drawn on the surface, and each gets its opposite one. What is left of
                       surface where it is about as tilted itself as what a pad feels
     holds the pads    at one of eight turns about the normal, and one of nine places on the pad: nothing of the object
                       is in pads or fingers, and the footprint is in the region
-    is held           tried with hand and object alone
     can be got at     there, no wall, obstacle or other object is in a finger or the wrist, and the approach is wanted
 
 is put in an order in which each pair is as far as possible from those before it, the first one near the centre of mass.
-All but the last holds wherever the object stands.
+All but the last holds wherever the object stands. Of these pairs those are proposed that
+
+    are held          a trial with hand and object alone comes to all conditions of contact and clearance
+    bear the wrench   the hand's forces there balance it within friction and force limits
+
+and others only if such pairs are few.
 """
 
 from __future__ import annotations
