@@ -51,7 +51,7 @@ def items_of(model: TaskModel, postures: Array, candidates: Sequence[Candidate])
     """
     if not candidates:
         return [Item(index, posture) for index, posture in enumerate(postures)]
-    items, pairs = [], [candidate.desired(model) for candidate in candidates]
+    items, pairs = [], [candidate.pair.desired(model) for candidate in candidates]
     steps = sorted({len(pairs) * k // TRIED for k in range(TRIED)})
     for index, posture in enumerate(postures):
         own = [(index + step) % len(pairs) for step in steps]

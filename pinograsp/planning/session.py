@@ -31,6 +31,7 @@ from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
+from ..solve.pair_trials import PairTrials
 from ..solve.start_index import HeldHand
 from ..solve.starts import starts_near
 from .attempt import (
@@ -333,7 +334,7 @@ class Planner:
     def _proposals(self, model: TaskModel, seed: int) -> Proposals:
         key = model.task_name, seed
         if key not in self._proposed:  # they do not depend on where objects stand
-            self._proposed[key] = Proposals(model, seed)
+            self._proposed[key] = Proposals(model, seed, PairTrials(model).held)
         return self._proposed[key]
 
     def _nearest(self, model: TaskModel) -> list[Item]:
@@ -345,7 +346,7 @@ class Planner:
         hand, index = self._hands[task], self._databases.index(self._scene, model.task.margin)
         if not candidates:
             return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
-        pairs = [candidate.desired(model) for candidate in candidates]
+        pairs = [candidate.pair.desired(model) for candidate in candidates]
         points = np.array([pair.points for pair in pairs])
         postures = index.starts(model, hand, points, NEAREST)
         own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
@@ -389,7 +390,7 @@ class Planner:
 
     def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
-        desired = candidates[0].desired(model) if candidates else None
+        desired = candidates[0].pair.desired(model) if candidates else None
         with compiling(self._report):
             problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Mask, cross
+from ..arrays import Array, Indices, Mask, cross
 from ..collision.hand_free import hand_free
 from ..descriptions.patches import LinePatch, PlanePatch
 from ..errors import TaskError
@@ -50,6 +50,12 @@ class Holds(NamedTuple):
     """Points in the fingers and in the wrist, m, shape (ways, k, 3)."""
     approaches: Array
     """The wrist's z axis, shape (ways, 3)."""
+    pads: Array
+    """Poses of the first pad's patch frame, shape (ways, 4, 4)."""
+    orders: Indices
+    """Point that each pad touches, shape (ways, 2)."""
+    T_wrist_pad: Array
+    """Pose of the first pad's patch frame in the frame of the wrist, shape (4, 4)."""
     central: bool
     """Whether the contact is in the middle of the first pad."""
 
@@ -82,21 +88,24 @@ class HoldFinder:
         """
         grip = self._grips.at(self._grips.nearest(float(pair.widths[0]))[:1])
         for place in itertools.product(PLACES, repeat=len(self._limits)):
-            faces, probes, approaches = self._ways(pair, grip, np.array(place))
-            fit = self._fit(faces, probes) if len(faces) else np.zeros(0, dtype=bool)
-            if fit.any():
-                return Holds(grip.synergies[0], probes[fit], approaches[fit], not any(place))
+            ways = self._ways(pair, grip, np.array(place))
+            fit = np.flatnonzero(self._fit(ways.faces, ways.probes)) if len(ways.faces) else np.zeros(0, dtype=np.intp)
+            if len(fit):
+                own = ways.at(fit)
+                hand = grip.synergies[0], own.probes, own.approaches, own.pads, own.orders, grip.pads[0, 0]
+                return Holds(*hand, central=not any(place))
         return None
 
-    def _ways(self, pair: Pairs, grip: Grips, place: Array) -> tuple[Array, Array, Array]:
-        """Return faces, probes and approaches of the hand with a place of the first pad at one of the points, turned.
+    def _ways(self, pair: Pairs, grip: Grips, place: Array) -> _Ways:
+        """Return the hand with a place of the first pad at one of the points, turned.
 
-        Those are left out in which the second pad is not at the other point then.
+        Those ways are left out in which the second pad is not at the other point then.
         """
         own, other = self._outlines
         low, high = self._limits.T
         contact = patch_point(self._model.robot.pads[0].patch, 0.5 * (low + high + place * (high - low)))
-        points = np.repeat(pair.points[0, [[0, 1], [1, 0]]], TURNS, axis=0)
+        orders = np.repeat([[0, 1], [1, 0]], TURNS, axis=0)
+        points = pair.points[0, orders]
         frames = np.array([_frame(-normal) for normal in pair.normals[0]])
         R = (frames[:, None] @ _ABOUT_Z).reshape(-1, 3, 3) @ _frame(contact.normal).T
         p = points[:, 0] - R @ contact.point
@@ -119,7 +128,10 @@ class HoldFinder:
         roots = _placed(R, p, own.root[None]), _placed(R_other, p_other, other.root[None])
         fingers = [root + steps * back for root in roots]
         probes = [_placed(R, p, own.behind), _placed(R_other, p_other, other.behind), *fingers, wrists]
-        return faces[there], np.concatenate(probes, axis=1)[there], (R @ to_wrist[:3, 2])[there]
+        pads = np.tile(np.eye(4), (len(R), 1, 1))
+        pads[:, :3, :3], pads[:, :3, 3] = R, p
+        ways = _Ways(faces, np.concatenate(probes, axis=1), R @ to_wrist[:3, 2], pads, orders)
+        return ways.at(np.flatnonzero(there))
 
     def _fit(self, faces: Array, probes: Array) -> Mask:
         """Return in which ways the object is in no pad, finger or wrist, and the footprints are in the region."""
@@ -149,6 +161,21 @@ def _free_grips(model: TaskModel) -> Grips:
             remedy="Give a desired contact for each pad",
         )
     return found.at(np.array(kept))
+
+
+class _Ways(NamedTuple):
+    """The hand at a pair, turned in steps: parts of `Holds`, and points of the pads' faces, m, shape (ways, j, 3)."""
+
+    faces: Array
+    probes: Array
+    approaches: Array
+    pads: Array
+    orders: Indices
+
+    def at(self, indices: Indices) -> _Ways:
+        """Return some of the ways."""
+        faces, probes, approaches, pads, orders = self
+        return _Ways(faces[indices], probes[indices], approaches[indices], pads[indices], orders[indices])
 
 
 class _Outline(NamedTuple):

@@ -12,15 +12,19 @@ Points are drawn on the surface, and each gets its opposite one. What is left of
     can be got at     there, no wall, obstacle or other object is in a finger or the wrist, and the approach is wanted
 
 is put in an order in which each pair is as far as possible from those before it, the first one near the centre of mass.
-All but the last holds wherever the object stands.
+All but the last holds wherever the object stands. Of these pairs those are proposed that
+
+    are held          a trial with hand and object alone comes to all conditions of contact and clearance
+    bear the wrench   the hand's forces there balance it within friction and force limits
+
+and others only if such pairs are few.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +38,7 @@ from ..geometry.contact_faces import edge_distance
 from ..geometry.patches import half_sides
 from ..geometry.shapes import Surface, surface_of
 from ..kinematics.reach import arm_reach
+from ..mechanics import Contacts, grasp_statics, solve_forces
 from .desired import DesiredPoints
 from .pair_holds import TURNS, HoldFinder, Holds
 from .task_model import TaskModel
@@ -54,6 +59,10 @@ ROOM = 0.006
 From there contacts slide over the edge: of starts that are led to such pairs half fail. So do those that fit at
 the rim of a pad alone.
 """
+TRIALS = 48
+"""Pairs that are tried, at most."""
+ENOUGH = 4
+"""With fewer pairs of the best grade, those of the next one are proposed, too."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,6 +76,14 @@ class ContactPair(Record):
     width: float
     """How far apart the pads are that hold it, m."""
 
+    def desired(self, model: TaskModel) -> DesiredPoints:
+        """Return the points, and that pads are to look at them, where the object of a task stands."""
+        R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+        return DesiredPoints(self.points @ R.T + origin, self.normals @ R.T)
+
+
+Trial = Callable[[ContactPair, Holds], Contacts | None]
+
 
 class Candidate(NamedTuple):
     """A pair that fits the hand."""
@@ -76,11 +93,6 @@ class Candidate(NamedTuple):
     roomy: bool
     """Whether it is far from edges, and may be in the middle of a pad."""
 
-    def desired(self, model: TaskModel) -> DesiredPoints:
-        """Return the points, and that pads are to look at them, where the object of a task stands."""
-        R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
-        return DesiredPoints(self.pair.points @ R.T + origin, self.pair.normals @ R.T)
-
 
 class Proposals:
     """Pairs for a task, wherever its object stands.
@@ -88,12 +100,13 @@ class Proposals:
     Args:
         model: the task.
         seed: of what is drawn.
+        trial: returns the contacts of the hand that holds a pair in one of some ways, if there is one.
 
     Raises:
         TaskError: the hand has not two pads, or nothing suits it; the message says why.
     """
 
-    def __init__(self, model: TaskModel, seed: int) -> None:
+    def __init__(self, model: TaskModel, seed: int, trial: Trial) -> None:
         pads = len(model.robot.pads)
         if pads != 2:
             raise TaskError(
@@ -102,7 +115,9 @@ class Proposals:
                 key=f"tasks.{model.task_name}.desired_contacts",
                 remedy="Give a desired contact for each pad, or name two of them in `pads`",
             )
-        self._model = model
+        self._model, self._trial = model, trial
+        self._held: dict[int, Contacts | None] = {}
+        """By number of the candidate: contacts of the hand that holds it, object's frame; None where it is not held."""
         self._finder = HoldFinder(model)
         self._tilt = PARALLEL
         if model.surface.uneven:
@@ -125,10 +140,14 @@ class Proposals:
         """
         bodies = model.scene.bodies_besides(model.task).values()
         others = [(surface_of(body.shape), body.pose.matrix) for body in bodies]
-        for roomy in (True, False):
-            there = (c for c in self.candidates if c.roomy == roomy and _can_be_got_at(model, c, others))
-            if free := tuple(islice(there, most)):
-                return free
+        there = [number for number, c in enumerate(self.candidates) if _can_be_got_at(model, c, others)]
+        grades = self._grades(model, there, most)
+        free: list[Candidate] = []
+        for best in sorted(set(grades), reverse=True):
+            if len(free) < ENOUGH:
+                free += [self.candidates[i] for i, grade in zip(there, grades, strict=True) if grade == best]
+        if free:
+            return tuple(free[:most])
         raise TaskError(
             f"the hand gets at none of {len(self.candidates)} pairs of opposite points of {model.task.object!r} that "
             "fit it: walls, obstacles or other objects are in the way, or it is too far",
@@ -136,6 +155,24 @@ class Proposals:
             key=f"objects.{model.task.object}.pose",
             remedy="Move the object, or widen `approach` if the task has one",
         )
+
+    def _grades(self, model: TaskModel, numbers: Sequence[int], most: int) -> list[int]:
+        """Return how well candidates of some numbers suit: 3 is best, 0 what slips or is near edges.
+
+        They are tried one after the other until `most` hold; what a trial says is true wherever the object stands.
+        """
+        grades, good = [int(self.candidates[number].roomy) for number in numbers], 0
+        for i, number in enumerate(numbers[:TRIALS]):
+            if good == most:
+                break
+            pair, holds, roomy = self.candidates[number]
+            if number not in self._held:
+                self._held[number] = self._trial(pair, holds)
+            contacts = self._held[number]
+            if contacts is not None:
+                grades[i] = 2 + int(roomy) if _bears(model, contacts) else 0
+                good += grades[i] > 1
+        return grades
 
     def _found(self, rng: np.random.Generator) -> list[Candidate]:
         """Return what fits, of as many points as it takes."""
@@ -225,6 +262,16 @@ class Proposals:
             order.append(int(gaps.argmax()))
             gaps = np.minimum(gaps, _gaps(points, order[-1]))
         return [some[i] for i in order]
+
+
+def _bears(model: TaskModel, held: Contacts) -> bool:
+    """Whether contacts, object's frame, can balance the wrench on the object within friction and force limits."""
+    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+    twists = np.concatenate([R @ held.jacobians[:, :3], R @ held.jacobians[:, 3:]], axis=1)
+    contacts = Contacts(held.points @ R.T + origin, held.normals @ R.T, twists)
+    statics = grasp_statics(contacts, model.contact_models, model.hand, model.load)
+    forces = solve_forces(statics, contacts.normals, model.contact_models, model.limits)
+    return model.limits.strict_cost >= forces.V
 
 
 class _Reason(NamedTuple):

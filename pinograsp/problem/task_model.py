@@ -35,7 +35,9 @@ class TaskModel:
         self.lower, self.upper = posture_bounds(self.robot, scene, task_name)
         self.parameter_limits = parameter_limits(self.robot, scene, task_name)
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
-        self.surface = surface_of(scene.objects[self.task.object].shape)
+        target = scene.objects[self.task.object]
+        self.surface = surface_of(target.shape)
+        self._size = self.surface.radius_about(target.center_of_mass_object)
         region = scene.region_of(self.task)
         self.region = None if region is None else membership(region)
         self._place_object()
@@ -56,8 +58,7 @@ class TaskModel:
         self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
         """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        wrench, size = self.scene.wrench_of(self.task), self.surface.radius_about(target.center_of_mass_object)
-        self.load = Load(target.center_of_mass_world, wrench.vector, size)
+        self.load = Load(target.center_of_mass_world, self.scene.wrench_of(self.task).vector, self._size)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.

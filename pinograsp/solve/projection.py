@@ -57,22 +57,22 @@ def initial_guesses(problem: GraspProblem, x: Array, onto: Projection) -> Iterat
     if onto == "nothing":
         yield x
         return
-    held = _descend(problem, 1.0, 0.0, x, STALLED)
+    held = descend(problem, 1.0, 0.0, x, STALLED)
     if onto == "contacts":
         yield held
         return
     yield _yield_to_clearances(problem, held)
     yield _yield_to_clearances(problem, x)
-    yield _descend(problem, 0.0, 1.0, _descend(problem, 0.0, 1.0, x, 0.0, sliding=False), 0.0)
+    yield descend(problem, 0.0, 1.0, descend(problem, 0.0, 1.0, x, 0.0, sliding=False), 0.0)
 
 
 def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
     for targets, clearances in YIELDING:
-        x = _descend(problem, targets, clearances, x, STALLED)
-    return _descend(problem, 0.0, 1.0, x, 0.0)
+        x = descend(problem, targets, clearances, x, STALLED)
+    return descend(problem, 0.0, 1.0, x, 0.0)
 
 
-def _descend(
+def descend(
     problem: GraspProblem, targets: float, clearances: float, x: Array, stalled: float, sliding: bool = True
 ) -> Array:
     """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,).

@@ -1,0 +1,128 @@
+"""Whether the hand can hold a proposed pair: tried with nothing but hand and object in the way.
+
+The object is brought to the hand, turned as in one of the ways to hold the pair, with the arm in a posture in which the
+wrist can move to all sides. The projection of a start from there moves hand and contacts until pads lie on the object
+and nothing else touches it. Where it does not come to that, starts do not either.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..collision.distances import Distances
+from ..descriptions.scene import Enclosure
+from ..kinematics.forward import Configuration, forward
+from ..kinematics.wrist import wrist_pose
+from ..mechanics import Contacts
+from ..problem import GraspProblem, State, TaskModel
+from ..problem.pair_holds import Holds
+from ..problem.proposals import ContactPair
+from .projection import descend
+
+WAYS = 3
+"""Ways to hold a pair that are tried, at most."""
+MOVED = 0.01
+"""How far contacts may be from their points then, m."""
+DESCENTS = ((0.3, 0.05, 0.5), (0.0, 0.3, 0.01))
+"""Descents one after the other: weight of the points, part of the squared residual by which a descent goes on, and norm
+of the scaled residual above which the pair is given up: of starts that are led to pairs that are held nine of ten come
+to a grasp, of others one of four."""
+FAR = 100.0
+"""Half edge of the room, m."""
+POSTURES, MIDDLE = 200, 3.0
+"""Random arm postures that are looked at, and how far from 0 their joints are at most, rad (m)."""
+LENGTH = 0.3
+"""Moves of the wrist, m, that count as much as a turn by 1 rad."""
+
+
+class PairTrials:
+    """Tries to hold pairs of points of a task's object; where that stands does not matter.
+
+    Args:
+        model: the task.
+    """
+
+    def __init__(self, model: TaskModel) -> None:
+        task, arm = model.task, set(model.robot.description.arm.joints)
+        ranges = {name: value for name, value in task.joint_ranges.items() if name not in arm}
+        lock = {name: value for name, value in task.lock.items() if name not in arm}
+        alone = {"approach": None, "joint_ranges": ranges, "lock": lock}
+        scene = model.scene.model_copy(
+            update={
+                "enclosure": Enclosure(min=(-FAR, -FAR, -FAR), max=(FAR, FAR, FAR)),
+                "obstacles": {},
+                "objects": {task.object: model.scene.objects[task.object]},
+                "tasks": {model.task_name: task.model_copy(update=alone)},
+            }
+        )
+        self._model = TaskModel(model.robot.unmounted, scene, model.task_name)
+        self._configuration = _loose(self._model)
+
+    def held(self, pair: ContactPair, holds: Holds) -> Contacts | None:
+        """Return the contacts of a hand that holds a pair, object's frame; None if none does.
+
+        Args:
+            pair: of points.
+            holds: ways to hold it.
+        """
+        for way in _apart(holds.approaches):
+            state = self._state(pair, holds, way)
+            if state is not None:
+                T = state.model.T_world_object
+                points, normals, jacobians = state.grasp
+                twists = np.concatenate([T[:3, :3].T @ jacobians[:, :3], T[:3, :3].T @ jacobians[:, 3:]], axis=1)
+                return Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
+        return None
+
+    def _state(self, pair: ContactPair, holds: Holds, way: int) -> State | None:
+        """Return the state in which a pair is held in about one of the ways, if there is one."""
+        model, scene = self._model, self._model.scene
+        T = wrist_pose(self._configuration) @ holds.T_wrist_pad @ np.linalg.inv(holds.pads[way])
+        model = model.moved(model.task.object, scene.with_object_pose(model.task.object, T))
+        problem = GraspProblem(model, tuple(holds.orders[way].tolist()), desired=pair.desired(model))
+        x = 0.5 * (problem.lower + problem.upper)
+        size = model.robot.arm_size
+        x[:size], x[size : model.robot.posture_size] = self._configuration.posture[:size], holds.synergies
+        x = np.clip(x, problem.lower, problem.upper)
+        for targets, stalled, within in DESCENTS:
+            x = descend(problem, targets, 1.0, x, stalled)
+            if np.linalg.norm(problem.projection_residual(x, 0.0, 1.0).values) > within:
+                return None
+        state = problem.state(x)
+        moved = np.linalg.norm(state.contacts.points - state.desired, axis=1)
+        return state if moved.max() <= MOVED else None
+
+
+def _apart(approaches: Array) -> list[int]:
+    """Return up to `WAYS` numbers of directions, each as far as possible from the lines along those before it."""
+    chosen = [0]
+    while len(chosen) < min(WAYS, len(approaches)):
+        along = np.abs(approaches @ approaches[chosen].T).max(axis=1)
+        along[chosen] = np.inf
+        chosen.append(int(along.argmin()))
+    return chosen
+
+
+def _loose(model: TaskModel) -> Configuration:
+    """Return the arm as it can best move its wrist to all sides, of random postures that keep links off each other."""
+    robot, rng, size = model.robot, np.random.default_rng(0), model.robot.arm_size
+    data, posture = robot.model.createData(), 0.5 * (model.lower + model.upper)
+    low, high = np.maximum(model.lower[:size], -MIDDLE), np.minimum(model.upper[:size], MIDDLE)
+    wrist = robot.model.frames[robot.wrist_frame].parentJoint
+    margins = np.array([pair.margin for pair in model.collisions.pairs])
+
+    def clear(found: Distances) -> bool:
+        return bool((found.values >= margins[found.indices]).all())
+
+    best, most = forward(robot, data, posture.copy()), -1.0
+    for _ in range(POSTURES):
+        posture[:size] = rng.uniform(low, high)
+        configuration = forward(robot, data, posture.copy())
+        moves = (configuration.jacobian * robot.supports[wrist]) @ robot.B[:, :size]
+        moves[:3] -= np.cross(moves[3:].T, -configuration.translations[wrist]).T
+        moves[:3] /= LENGTH
+        least = float(np.linalg.svd(moves, compute_uv=False)[-1])
+        if least > most and clear(model.collisions.distances(configuration)):
+            best, most = configuration, least
+    return best
