@@ -18,7 +18,6 @@ from .polish import polished
 from .projection import initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
-
 NEAR = 0.02
 """Norm of the scaled residual up to which a projected start is solved from before it is projected onto other pairs."""
 GUESSES = 8
