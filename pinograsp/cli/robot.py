@@ -26,6 +26,8 @@ NEW_OPTIONS = {
     "hand.to": "--to",
     "hand.root": "--hand-root",
     "hand.prefix": "--prefix",
+    "use_visual": "--use-visual",
+    "output": "--out",
 }
 """Of `robot new`, by the arguments of `new_robot_file`."""
 
@@ -105,6 +107,9 @@ def new(
     packages: Annotated[
         list[Path] | None, typer.Option(metavar="FOLDER", help="Folder in which package:// is looked up; repeatable.")
     ] = None,
+    use_visual: Annotated[
+        bool, typer.Option("--use-visual", help="Links without collision geometry collide as they are shown.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace a robot file that is there.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -117,7 +122,8 @@ def new(
     Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """
     terminal = Terminal(as_json, quiet)
-    file = (Path("robots") / Path(urdf).stem if out is None else out) / "robot.yaml"
+    name = Path(urdf).stem.lstrip(".") or "robot"  # ".." would lead out of the folder
+    file = (Path("robots") / name if out is None else out) / "robot.yaml"
     mount = None
     if hand is not None:
         mount = pinograsp.HandMount(hand, to=to, root=hand_root, position=xyz, rpy=rpy, prefix=prefix)
@@ -127,7 +133,9 @@ def new(
     if is_file(file) and not force:
         raise pinograsp.InputError("exists already", file=file, key="--out", remedy="Use --force to replace it")
     with as_options(NEW_OPTIONS), terminal.progress() as progress:
-        draft = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or (), progress=progress)
+        draft = pinograsp.new_robot_file(
+            urdf, file, hand=mount, tip=tip, packages=packages or (), use_visual=use_visual, progress=progress
+        )
     written = save(file, lambda: write_whole(file, draft.text))
     terminal.find(lambda: {"file": str(file), **draft.to_json()}, lambda: _new_report(file, draft, terminal))
     terminal.say(written)

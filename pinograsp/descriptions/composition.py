@@ -6,11 +6,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+from pydantic import Field, StrictBool
+
 from ..errors import FileError
 from . import locate
 from .model import FileRoot, Frozen
 from .pose import Pose
-from .values import Format1, Name
+from .values import Format1, Name, Number, Table, empty
 
 
 class UrdfPart(Frozen):
@@ -24,6 +26,10 @@ class UrdfPart(Frozen):
     """Link with which it begins; the URDF's own root if not given."""
     leave_out: tuple[Name, ...] = ()
     """Links that are left out, with all that they carry."""
+    hold: Table[Name, Number] = Field(default_factory=empty)
+    """Joints fixed for good, with those that follow them, rad (m). One that floats or moves in a plane: at 0."""
+    use_visual: StrictBool = False
+    """Whether links without collision geometry collide as they are shown."""
 
 
 class Attachment(UrdfPart, Pose):

@@ -8,8 +8,10 @@ from pathlib import Path
 
 from ..errors import InputError
 
-XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}")
+XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}", "xacro:")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+LOOSE = ("floating", "planar")
+"""Types of joints that more than one number moves: a robot file cuts them off or holds them."""
 ONE_TREE = "The links of a URDF form one tree"
 
 
@@ -59,12 +61,6 @@ def _check_connections(root: ET.Element, links: list[str], file: Path) -> None:
         if ends[1] in parents:
             raise InputError(f"link {ends[1]!r} is the child of another joint too", file=file, key=key)
         parents[ends[1]] = ends[0]
-        kind = joint.get("type")
-        if kind not in JOINT_TYPES:
-            remedy = f"Use {', '.join(JOINT_TYPES[:-1])} or {JOINT_TYPES[-1]}"
-            raise InputError(f"joint type {kind!r} is not supported", file=file, key=key, remedy=remedy)
-        if kind in {"revolute", "prismatic"} and joint.find("limit") is None:
-            raise InputError("has no <limit>", file=file, key=key, remedy="Add <limit lower=... upper=...>")
     roots = [name for name in links if name not in parents]
     if len(roots) > 1:
         raise InputError(f"{len(roots)} links have no parent: {', '.join(roots)}", file=file, remedy=ONE_TREE)
@@ -74,3 +70,17 @@ def _check_connections(root: ET.Element, links: list[str], file: Path) -> None:
             ancestor = parents.get(ancestor, ancestor)
         if ancestor not in roots:
             raise InputError("is its own ancestor", file=file, key=f"link {name}", remedy=ONE_TREE)
+
+
+def check_joints(root: ET.Element, file: Path) -> None:
+    """Refuse joints that cannot be moved to what one number says, among those that a robot file takes of a URDF."""
+    for joint in root.findall("joint"):
+        key, kind = joint.get("name", ""), joint.get("type", "")
+        if kind in LOOSE:
+            remedy = f"Hold it where its origin is, hold: {{{key}: 0.0}}, or name a link beyond it under `root`"
+            raise InputError(f"a {kind} joint is moved by nothing", file=file, key=key, remedy=remedy)
+        if kind not in JOINT_TYPES:
+            remedy = f"Use {', '.join(JOINT_TYPES[:-1])} or {JOINT_TYPES[-1]}"
+            raise InputError(f"joint type {kind!r} is not supported", file=file, key=key, remedy=remedy)
+        if kind in {"revolute", "prismatic"} and joint.find("limit") is None:
+            raise InputError("has no <limit>", file=file, key=key, remedy="Add <limit lower=... upper=...>")

@@ -1,7 +1,8 @@
 """A composed URDF as Pinocchio gets it: every movable joint on its own and described by one number.
 
 Continuous joints become revolute with +-2 pi: Pinocchio would describe them by (cos, sin), which an optimiser with
-bounds cannot use, and forward kinematics are the same. Mimic joints become joints of their own. Visual geometry goes.
+bounds cannot use, and forward kinematics are the same. Mimic joints become joints of their own. What is for show goes,
+and masses: nothing here asks for them, and what is wrong with them must not stop anything.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ def pinocchio_xml(tree: ET.Element) -> str:
         if joint.get("type") == "continuous":
             _bound(joint)
     for link in changed.findall("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
+        for element in (*link.findall("visual"), *link.findall("inertial")):
+            link.remove(element)
     return ET.tostring(changed, encoding="unicode")
 
 

@@ -110,6 +110,7 @@ class Robot:
             np.repeat(np.arange(len(self.pads)), [len(pad.patch.parameters) for pad in self.pads]),
         )
         self.step_units = self._step_units()
+        self._check_pads()
 
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
@@ -215,6 +216,17 @@ class Robot:
                 problem = f"joint {name!r}, which no synergy moves, stays at {angle:g}, outside "
                 self._refuse(f"{problem}[{low[row]:g}, {high[row]:g}]", "hand.rest", "Give its angle there")
 
+    def _check_pads(self) -> None:
+        """Refuse a pad that neither the hand moves nor what carries the fingers of others that it moves."""
+        others = np.setdiff1d(np.arange(self.model.nv), self.hand_joints)
+        moved = [pad for pad in self.pads if self.supports[pad.joint, self.hand_joints].any()]
+        carriers = {tuple(self.supports[pad.joint, others]) for pad in moved}
+        for number, pad in enumerate(self.pads):
+            if pad not in moved and tuple(self.supports[pad.joint, others]) not in carriers:
+                remedy = "A pad is on a finger, or on the link that carries the fingers of others"
+                problem = f"link {pad.description.link!r} is not moved by the hand"
+                self._refuse(problem, f"pads[{number}].link", remedy)
+
     def _limits(self) -> tuple[Array, Array]:
         """Return the limits of the posture that keep every joint within its own which one variable alone moves."""
         low, high = self.joint_limits
@@ -254,8 +266,6 @@ class Robot:
         pad = pads[number]
         frame = self.model.frames[self.model.getFrameId(pad.link, pin.BODY)]
         placement = frame.placement * pin.SE3(pad.patch.rotation, np.array(pad.patch.origin))
-        if not self.supports[frame.parentJoint, self.hand_joints].any():
-            self._refuse(f"link {pad.link!r} is not moved by the hand", f"pads[{number}].link")
         first = sum(len(other.patch.parameters) for other in pads[:number])
         parameters = slice(first, first + len(pad.patch.parameters))
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)

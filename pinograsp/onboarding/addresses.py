@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..descriptions.locate import resolve, wheel_share
-from ..descriptions.urdf import parse
+from ..descriptions.urdf import carried, ends, parse
+from ..descriptions.urdf_checks import LOOSE
 from ..disk import is_file
 from ..errors import FileError
 
@@ -65,6 +66,17 @@ def needed_packages(urdfs: Sequence[Path], packages: Sequence[Path], output: Pat
                 if above is not None and above not in folders:
                     folders.append(above)
     return tuple(Path(_relative(folder, home)) for folder in folders)
+
+
+def loose_joints(urdf: Path, root: str | None = None) -> dict[str, float]:
+    """Return the joints of a URDF, or of what a link of it carries, that a robot file has to hold, each at 0."""
+    tree = parse(urdf, "robot")
+    links = None if root is None else carried(tree, root)
+    return {
+        joint.get("name", ""): 0.0
+        for joint in tree.findall("joint")
+        if joint.get("type") in LOOSE and (links is None or ends(joint)[0] in links)
+    }
 
 
 def _holding(address: str, urdf: Path) -> Path | None:

@@ -1,9 +1,10 @@
-"""Which two flat faces of the fingers a hand closes on each other."""
+"""Which flat faces a hand closes on each other: two of a jaw; of a hand of many fingers, the thumb's and theirs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,16 +13,33 @@ from ..kinematics.tree import TreeJoint, UrdfTree
 from .facets import Facet
 
 OPPOSED = math.cos(math.radians(8.0))
+NEARLY = math.cos(math.radians(60.0))
+"""While faces are turned to each other within this, their gap tells whether they close."""
+CLOSES = 0.4
+"""Part of the widest gap that faces close at least: those of neighbouring fingers hardly do."""
+ALONG = 0.6
+"""Part of its way that a face goes along the normal of the one that it is to close on: near a hinge it passes by."""
 OVERLAP_ALLOWED = 1e-3
 """Faces may pass through each other by this when the hand is closed, m."""
 PROUD = 5e-4
 """A link that reaches farther than this beyond a face is in the way of what the face is to touch, m."""
 MOST_PAIRS = 300
-STEPS, POSTURES = 9, 60
+WORTH = 0.2
+"""Part of the best pairing's score that a further finger is worth to be given a pad."""
+STEPS, POSTURES = 41, 300
 """Postures of a hand with one synergy, evenly, and with more, at random."""
 USUAL_RANGE = {"prismatic": (0.0, 0.05)}
 """For a joint without usable limits, m; a turning one gets `USUAL_TURN`."""
 USUAL_TURN = (-0.8, 0.8)
+
+
+class Pairing(NamedTuple):
+    """How well two faces hold something between them."""
+
+    score: float
+    """Area that faces the other face, m^2, less what speaks against it."""
+    first: int
+    second: int
 
 
 def usual_limits(joint: TreeJoint) -> tuple[float, float] | None:
@@ -31,30 +49,58 @@ def usual_limits(joint: TreeJoint) -> tuple[float, float] | None:
     return USUAL_RANGE.get(joint.kind, USUAL_TURN)
 
 
-def facing_pair(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[str]) -> tuple[Facet, Facet] | None:
-    """Return the two faces that face each other most of the time, with the largest area, and that close.
+def facing(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[str]) -> tuple[Facet, ...]:
+    """Return the two faces that face each other most of the time, with the largest area, and that close; or none.
+
+    Of a hand of more fingers, the faces of those fingers follow that the first one, the thumb's, closes on as well.
 
     Args:
-        facets: of the fingers.
+        facets: of the fingers, and of the palm where it is one of them.
         tree: of the robot.
         palm: link that carries the fingers; the faces are of different ones.
         hand: the hand's joints that follow none.
     """
     if not facets:
-        return None
+        return ()
     poses = [tree.poses(angles) for angles in _postures(tree, hand)]
-    first_joint = len(tree.path(palm))
-    fingers = [tree.path(facet.link)[first_joint].name for facet in facets]
-    best, found = 0.0, None
-    for first, second in _likely(facets, poses):
+    fingers = [finger_of(tree, palm, facet.link) for facet in facets]
+    found = []
+    for first, second in _likely(facets, poses, NEARLY if len(hand) > 1 else OPPOSED):
         if fingers[first] != fingers[second]:
-            score = _score(facets[first], facets[second], poses)
-            if score > best:
-                best, found = score, (facets[first], facets[second])
-    return found
+            score = _score(facets[first], facets[second], poses, often=len(hand) == 1)
+            found += [Pairing(score, first, second)] if score > 0.0 else []
+    if not found:
+        return ()
+    return tuple(facets[index] for index in _thumb_first(found, fingers))
 
 
-def _likely(facets: Sequence[Facet], poses: Sequence[Mapping[str, Array]]) -> list[tuple[int, int]]:
+def finger_of(tree: UrdfTree, palm: str, link: str) -> str:
+    """Return the joint with which the finger of a link begins, or nothing for a link of the palm's own body."""
+    beyond = tree.path(link)[len(tree.path(palm)) :]
+    return beyond[0].name if beyond else ""
+
+
+def _thumb_first(found: Sequence[Pairing], fingers: Sequence[str]) -> list[int]:
+    """Return the faces of the best pairing, the thumb's first, and of other fingers those that the thumb closes on."""
+    best = max(found)
+
+    def against(face: int) -> dict[str, tuple[float, int]]:
+        """Return for every other finger its best face against one face, with the score."""
+        scores: dict[str, tuple[float, int]] = {}
+        for score, first, second in found:
+            if face in (first, second):
+                other = second if face == first else first
+                scores[fingers[other]] = max(scores.get(fingers[other], (0.0, 0)), (score, other))
+        return scores
+
+    sides = [(face, against(face)) for face in (best.first, best.second)]
+    thumb, others = max(sides, key=lambda side: sum(score for score, _ in side[1].values()))
+    kept = sorted((pair for pair in others.values() if pair[0] >= WORTH * best.score), reverse=True)
+    faces = [thumb, *(face for _, face in kept)]
+    return faces if len(faces) > 2 else [best.first, best.second]
+
+
+def _likely(facets: Sequence[Facet], poses: Sequence[Mapping[str, Array]], opposed: float) -> list[tuple[int, int]]:
     """Return pairs of faces that are turned to each other in some posture, the most promising ones first."""
     count = len(facets)
     turned = np.zeros((count, count))
@@ -64,7 +110,7 @@ def _likely(facets: Sequence[Facet], poses: Sequence[Mapping[str, Array]]) -> li
         n = np.einsum("fij,fj->fi", T[:, :3, :3], normals)
         c = np.einsum("fij,fj->fi", T[:, :3, :3], origins) + T[:, :3, 3]
         before = c @ n.T - (c * n).sum(axis=1) > -OVERLAP_ALLOWED  # face i is before face j
-        turned += (n @ n.T < -OPPOSED) & before & before.T
+        turned += (n @ n.T < -opposed) & before & before.T
     areas = np.array([np.prod(facet.sides) * _freedom(facet) for facet in facets])
     promise = np.triu(turned * np.minimum.outer(areas, areas), 1)
     order = np.argsort(-promise, axis=None)[:MOST_PAIRS]
@@ -88,22 +134,41 @@ def _postures(tree: UrdfTree, hand: Sequence[str]) -> list[dict[str, float]]:
     return [dict(zip(hand, row.tolist(), strict=True)) for row in values]
 
 
-def _score(first: Facet, second: Facet, poses: Sequence[Mapping[str, Array]]) -> float:
-    """Return the area that faces the other one, on average, times the part of the opening that can be closed, m^2."""
-    areas, gaps = [], []
+def _score(first: Facet, second: Facet, poses: Sequence[Mapping[str, Array]], *, often: bool) -> float:
+    """Return the area that faces the other one, times the part of the opening that can be closed, m^2.
+
+    Args:
+        first: a face.
+        second: another one.
+        poses: of the links in postures of the hand.
+        often: whether postures count on average, of a hand that has one way to move; else the best counts.
+    """
+    areas, gaps, ways = [0.0], [], list[Array]()
     for at in poses:
         T = np.linalg.inv(at[first.link]) @ at[second.link]
         apart = first.axes.T @ (T[:3, :3] @ second.origin + T[:3, 3] - first.origin)
         axes = first.axes.T @ T[:3, :3] @ second.axes
-        if -axes[2, 2] < OPPOSED or apart[2] < -OVERLAP_ALLOWED:
+        if -axes[2, 2] < NEARLY or apart[2] < -OVERLAP_ALLOWED:
             continue
+        gaps.append(max(float(apart[2]), 0.0))
         half = np.abs(axes[:2, :2]) @ second.sides / 2
         low = np.maximum(-first.sides / 2, apart[:2] - half)
         high = np.minimum(first.sides / 2, apart[:2] + half)
-        if (high > low).all():
-            areas.append(float(np.prod(high - low)))
-            gaps.append(max(float(apart[2]), 0.0))
-    if not gaps or max(gaps) < 1e-3:
+        if (high > low).all() and -axes[2, 2] > (OPPOSED if often else NEARLY):
+            turned = 1.0 if often else (-axes[2, 2] - NEARLY) / (1.0 - NEARLY)
+            areas.append(float(np.prod(high - low)) * float(turned))
+            ways.append(apart)
+    if not gaps or max(gaps) < 1e-3 or (closes := 1.0 - min(gaps) / max(gaps)) < CLOSES:
         return 0.0
-    closes = (max(gaps) - min(gaps)) / max(gaps)
-    return sum(areas) / len(poses) * closes * min(_freedom(first), _freedom(second))
+    if often and not _head_on(ways):
+        return 0.0
+    area = sum(areas) / len(poses) if often else max(areas)
+    return area * closes * min(_freedom(first), _freedom(second))
+
+
+def _head_on(ways: Sequence[Array]) -> bool:
+    """Whether one face comes to the other along its normal rather than sideways, z of the places where it passes."""
+    if len(ways) < 2:
+        return True
+    steps = np.abs(np.diff(ways, axis=0))
+    return bool(steps[:, 2].sum() > ALONG * np.linalg.norm(steps, axis=1).sum())

@@ -18,7 +18,7 @@ from .forces import ARROW_RADIUS
 from .page import legend, page, view_button
 from .scene import draw_body, draw_enclosure
 from .symbols import Look, arrow, ball, draw, frustum
-from .viewer import Recorder, Visualizer, clear_backdrop
+from .viewer import Recorder, Visualizer, child, clear_backdrop
 
 ROOT = "contacts"
 """Node of the viewer's tree that holds the world."""
@@ -71,7 +71,7 @@ def _draw(visualizer: Visualizer, pairs: Sequence[ContactPair], scene: Scene, na
     draw_body(world["object"], body, Look(colors.OBJECT, 0.45, colors.OBJECT_LAYER))
     others = {**scene.obstacles, **{other: thing for other, thing in scene.objects.items() if other != name}}
     for other, thing in others.items():
-        draw_body(world["obstacles"][other], thing, Look(colors.OTHER))
+        draw_body(child(world["obstacles"], other), thing, Look(colors.OTHER))
     T = body.pose.matrix
     for number, pair in enumerate(pairs):
         node, look = world["pairs"][str(number)], Look(_color(number), layer=colors.SYMBOL_LAYER)
