@@ -34,7 +34,9 @@ def box(xyz: str, size: str) -> str:
     return solid(xyz, f'<box size="{size}"/>')
 
 
-def joint(name: str, kind: str, parent: str, child: str, xyz: str, axis: str = "", more: str = "", rpy: str = "") -> str:
+def joint(
+    name: str, kind: str, parent: str, child: str, xyz: str, axis: str = "", more: str = "", rpy: str = ""
+) -> str:
     """Return a joint; `more` holds limits and the like."""
     turned = f' rpy="{rpy}"' if rpy else ""
     along = f'<axis xyz="{axis}"/>' if axis else ""
@@ -51,15 +53,15 @@ PALM = link("palm", box("0 0 0.015", "0.05 0.12 0.03"))
 MOUNT = joint("mount", "fixed", "l6", "palm", "0 0 0.02")
 
 
-def parallel_jaw(*, mimic: str = MIMIC, left: str = "", right: str = "0 -1 0", range_right: str = limit(0, 0.04)) -> str:
-    """Return a palm with two fingers that slide; `left` stands in the left joint."""
+def parallel_jaw(*, mimic: str = MIMIC, left: str = "", right: str = "0 -1 0", ends: str = limit(0, 0.04)) -> str:
+    """Return a palm with two fingers that slide; `left` stands in the left joint, `ends` are the right one's limits."""
     return (
         PALM
         + MOUNT
         + link("finger_l", box("0 0.005 0.03", "0.02 0.01 0.06"))
         + link("finger_r", box("0 -0.005 0.03", "0.02 0.01 0.06"))
         + joint("slide_l", "prismatic", "palm", "finger_l", "0 0 0.03", "0 1 0", limit(0, 0.04) + left)
-        + joint("slide_r", "prismatic", "palm", "finger_r", "0 0 0.03", right, range_right + mimic)
+        + joint("slide_r", "prismatic", "palm", "finger_r", "0 0 0.03", right, ends + mimic)
     )
 
 

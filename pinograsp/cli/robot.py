@@ -157,7 +157,7 @@ def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
 def _files(report: pinograsp.RobotReport, page: Path) -> Iterator[str]:
     """Write the page of a robot that can be drawn, and yield what to say of it."""
     if (robot := report.robot) is not None:
-        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings))
+        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings, report.faces))
 
 
 def _new_report(file: Path, draft: pinograsp.Draft, terminal: Terminal) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from . import locate
 from .model import Root
-from .robot import RobotDescription
+from .robot import RobotDescription, UnfinishedRobot
 from .scene import Scene
 
 
@@ -28,6 +28,18 @@ def load_robot_description(name: str | Path) -> RobotDescription:
         InputError: a key or value is wrong; the message names file, line and key.
     """
     description = _read(locate.robot_file(name), RobotDescription)
+    _ = description.files
+    return description
+
+
+def load_unfinished_robot(name: str | Path) -> UnfinishedRobot:
+    """Read a robot file that may still be without pads, otherwise as `load_robot_description` does.
+
+    Raises:
+        FileError: as there.
+        InputError: as there.
+    """
+    description = _read(locate.robot_file(name), UnfinishedRobot)
     _ = description.files
     return description
 

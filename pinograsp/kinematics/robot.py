@@ -101,13 +101,14 @@ class Robot:
 
     def _place_pads(self) -> None:
         description = self.description
-        self.parameter_limits: Array = np.array([limits for pad in description.pads for limits in pad.patch.parameters])
+        limits = [limits for pad in description.pads for limits in pad.patch.parameters]
+        self.parameter_limits: Array = np.array(limits).reshape(-1, 2)
         self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
         self.pad_frames = PadFrames(
             np.array([pad.joint for pad in self.pads]),
             np.array([pad.rotation for pad in self.pads]),
             np.array([pad.translation for pad in self.pads]),
-            np.repeat(np.arange(len(self.pads)), [len(pad.patch.parameters) for pad in self.pads]),
+            np.array([number for number, pad in enumerate(self.pads) for _ in pad.patch.parameters]),
         )
         self.step_units = self._step_units()
         self._check_pads()
@@ -259,7 +260,7 @@ class Robot:
         posture = [min(steps[name] / abs(factor) for name, factor in column.items()) for column in self._columns()]
         middle = self.parameter_limits.mean(axis=1)
         lengths = [np.linalg.norm(patch_point(pad.patch, middle[pad.parameters]).d_point, axis=0) for pad in self.pads]
-        return np.concatenate([posture, SLIP_STEP / np.concatenate(lengths)])
+        return np.concatenate([posture, *(SLIP_STEP / length for length in lengths)])
 
     def _pad(self, number: int) -> Pad:
         pads = self.description.pads

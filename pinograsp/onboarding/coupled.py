@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from ..arrays import Array
+from ..geometry.patches import patch_point
+from ..kinematics.robot import Robot
 from ..kinematics.tree import TreeJoint, UrdfTree
+from .findings import Finding
 from .yaml_text import text, texts
 
 ALIKE = 0.05
@@ -81,6 +86,19 @@ def coupling(tree: UrdfTree, hand: Sequence[str], pads: Sequence[Facing]) -> Cou
     factor = 1.0 if rates[0] * rates[1] > 0.0 else -1.0
     offset = second.limits[0 if factor > 0.0 else 1] - factor * first.limits[0]
     return Coupling(first.name, second.name, factor, offset if abs(offset) > ALIKE * max(spans) else 0.0)
+
+
+def coupling_findings(robot: Robot) -> Iterator[Finding]:
+    """Find two joints that a robot file moves on their own and that look coupled."""
+    hand, pads = robot.description.hand.synergies, list[Facing]()
+    for pad in robot.description.pads:
+        middle = patch_point(pad.patch, np.mean(pad.patch.parameters, axis=1))
+        R = pad.patch.rotation
+        pads.append(Facing(pad.link, R @ middle.point + pad.patch.origin, R @ middle.normal))
+    found = coupling(robot.urdf.tree, [synergy.joint for synergy in hand if synergy.joint is not None], pads)
+    if found is not None and len(hand) == 2:
+        rest = "" if found.rest is None else f" and hand.rest: {found.rest}"
+        yield Finding("doubtful", found.said, f"If they move together, hand.synergies: [{found.synergy}]{rest}")
 
 
 def _moved_by(tree: UrdfTree, link: str) -> set[str]:

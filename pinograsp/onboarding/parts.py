@@ -44,6 +44,8 @@ class Parts:
     """Name of the wrist link."""
     towards: bool
     """Whether the wrist's z axis points to the pads."""
+    turning: bool
+    """Whether there are two pads that the hand turns against each other."""
     coupling: Coupling | None
     """How two joints of the hand look coupled."""
 
@@ -77,7 +79,23 @@ def parts_of(composition: Composition, urdf: RobotUrdf, tip: str | None, report:
     to = composition.attach[-1].to if composition.attach else None
     wrist, towards = _wrist(tree, chain, pads, to)
     sides = [Facing(pad.link, pad.origin, pad.axes[:, 2]) for pad in pads]
-    return Parts(composition, tree, chain, pads, wrist, towards, coupling(tree, chain.hand, sides))
+    alike = coupling(tree, chain.hand, sides)
+    return Parts(composition, tree, chain, pads, wrist, towards, _turning(tree, chain, pads, alike), alike)
+
+
+def _turning(tree: UrdfTree, chain: Chain, pads: Sequence[Facet], alike: Coupling | None) -> bool:
+    """Whether two pads do not stay parallel as the hand moves from one end of its range to the other."""
+    if len(pads) != 2:
+        return False
+    between = []
+    for end in (0, 1):
+        angles = {name: (usual_limits(tree.joints[name]) or tree.joints[name].limits)[end] for name in chain.hand}
+        if alike is not None:
+            angles[alike.second] = alike.factor * angles[alike.first] + alike.offset
+        poses = tree.poses(angles)
+        first, second = (poses[pad.link][:3, :3] @ pad.axes[:, 2] for pad in pads)
+        between.append(float(first @ second))
+    return abs(between[1] - between[0]) > 1e-6
 
 
 class _FaceSearch:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..descriptions.composition import Attachment, UrdfPart
 from ..words import in_words, number_of
 from .coupled import Coupling
-from .facets import Facet
+from .pad_text import HARD, SOFT, numbers, pad_lines, pad_names
 from .parts import Parts, guessed_limits
 from .yaml_text import text, texts
 
-INSET = 0.001
-"""Of a pad from the edges of its face, so that a contact never sits on the rim, m."""
 MANY = 3
 """More synergies are more than most tasks need."""
 PADS_BY_HAND = """\
@@ -76,8 +73,8 @@ def _attached(part: Attachment) -> list[str]:
     lines += [f"    prefix: {text(part.prefix)}"] if part.prefix else []
     lines += [f"    {line}" for line in _taken(part)]
     given = any(part.position) or any(part.rpy)
-    lines.append(f"    position: {_numbers(part.position, 9)}" + ("" if given else "    # CHECK: in metres"))
-    lines.append(f"    rpy: {_numbers(part.rpy, 9)}" + ("" if given else "    # CHECK: in radians"))
+    lines.append(f"    position: {numbers(part.position, 9)}" + ("" if given else "    # CHECK: in metres"))
+    lines.append(f"    rpy: {numbers(part.rpy, 9)}" + ("" if given else "    # CHECK: in radians"))
     return lines
 
 
@@ -117,7 +114,8 @@ def _hand(found: Parts) -> list[str]:
 def _coupled(coupling: Coupling) -> list[str]:
     lines = [
         "hand:",
-        f"  # CHECK: {coupling.said}: taken for one synergy. If each moves on its own, this is the line instead:",
+        f"  # CHECK: {coupling.said}.",
+        "  # They are taken for one synergy. If each moves on its own, this is the line instead:",
         f"  # synergies: {coupling.apart}",
         f"  synergies: [{coupling.synergy}]",
     ]
@@ -132,8 +130,13 @@ def _pads(found: Parts) -> list[str]:
         lines.append("# CHECK: the first is of the thumb, which closes on the others; a task names those that it wants")
     if _fingers(found) > len(found.pads):
         lines.append("# CHECK: the hand has more fingers; add a pad for each that is to touch")
-    names = pad_names([pad.link for pad in found.pads])
-    return [*lines, "pads:", *(line for pad, name in zip(found.pads, names, strict=True) for line in _pad(pad, name))]
+    if found.turning:
+        lines.append(
+            "# They do not stay parallel: only soft fingers keep what they hold from turning about both contacts."
+        )
+    names, contact = pad_names([pad.link for pad in found.pads]), SOFT if found.turning else HARD
+    described = (pad_lines(pad, name, contact) for pad, name in zip(found.pads, names, strict=True))
+    return [*lines, "pads:", *(line for pad in described for line in pad)]
 
 
 def _fingers(found: Parts) -> int:
@@ -144,22 +147,6 @@ def _fingers(found: Parts) -> int:
     return len(starts) if len(hand) > 1 else 2
 
 
-def _pad(facet: Facet, name: str) -> list[str]:
-    half = facet.sides / 2 - INSET
-    return [
-        f"  - name: {text(name)}",
-        f"    link: {text(facet.link)}",
-        "    patch:",
-        "      type: plane",
-        f"      origin: {_numbers(facet.origin, 7)}",
-        f"      normal: {_numbers(facet.axes[:, 2], 9)}",
-        f"      x_axis: {_numbers(facet.axes[:, 0], 9)}",
-        f"      u: {_numbers([-half[0], half[0]], 5)}",
-        f"      v: {_numbers([-half[1], half[1]], 5)}",
-        "    contact: {model: hard_finger}",
-    ]
-
-
 def _stiffness(found: Parts) -> list[str]:
     sliding = any(found.tree.joints[name].kind == "prismatic" for name in found.chain.hand)
     joint, unit = ("10000.0", "N / m") if sliding else ("100.0", "N m / rad")
@@ -168,22 +155,6 @@ def _stiffness(found: Parts) -> list[str]:
         f"  joint: {joint}    # CHECK: a guess, {unit}",
         "  contact: 10000.0    # CHECK: a guess, N / m",
     ]
-
-
-def pad_names(links: Sequence[str]) -> list[str]:
-    """Return `left` and `right` where the links are called so, else the links' names."""
-    sides = ["left" if "left" in link.lower() else "right" if "right" in link.lower() else link for link in links]
-    return sides if len(set(sides)) == len(sides) else list(links)
-
-
-def _numbers(values: Iterable[float], digits: int) -> str:
-    """Write numbers as a YAML list, without exponents, which YAML takes for text."""
-    return "[" + ", ".join(_number(round(float(value), digits), digits) for value in values) + "]"
-
-
-def _number(value: float, digits: int) -> str:
-    short = f"{value + 0.0:.{digits}f}".rstrip("0")  # adding 0 makes -0.0 plain
-    return f"{short}0" if short.endswith(".") else short
 
 
 def srdf_beside(urdf: Path) -> Path | None:
