@@ -11,6 +11,8 @@ import copy
 import math
 import xml.etree.ElementTree as ET
 
+from .limits import limits_of
+
 
 def pinocchio_xml(tree: ET.Element) -> str:
     """Return the URDF document for Pinocchio; the tree stays as it is."""
@@ -19,18 +21,22 @@ def pinocchio_xml(tree: ET.Element) -> str:
         mimic = joint.find("mimic")
         if mimic is not None:
             joint.remove(mimic)
+        low, high = limits_of(joint)
         if joint.get("type") == "continuous":
-            _bound(joint)
+            _bound(joint, -2.0 * math.pi, 2.0 * math.pi)
+        elif joint.find("limit") is not None:
+            _bound(joint, low, high)
     for link in changed.findall("link"):
         for element in (*link.findall("visual"), *link.findall("inertial")):
             link.remove(element)
     return ET.tostring(changed, encoding="unicode")
 
 
-def _bound(joint: ET.Element) -> None:
-    joint.set("type", "revolute")
+def _bound(joint: ET.Element, low: float, high: float) -> None:
+    if joint.get("type") == "continuous":
+        joint.set("type", "revolute")
     limit = joint.find("limit")
     if limit is None:
         limit = ET.SubElement(joint, "limit", effort="0", velocity="0")
-    limit.set("lower", repr(-2 * math.pi))
-    limit.set("upper", repr(2 * math.pi))
+    limit.set("lower", repr(low))
+    limit.set("upper", repr(high))

@@ -15,7 +15,7 @@ from ..kinematics.collision_elements import link_elements
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
 from .collisions import collision_findings
-from .coupled import coupling_findings
+from .coupled import coupled_findings
 from .faces import hand_faces
 from .findings import Face, Finding, LinkFigures, in_order
 from .hand import hand_findings
@@ -83,7 +83,7 @@ def check_robot(name: str | Path, progress: Report = no_report) -> RobotReport:
             *unfinished,
             *unusable_limits(description, robot.urdf.composed),
             *joint_findings(robot),
-            *coupling_findings(robot),
+            *coupled_findings(robot),
             *([] if unfinished else hand_findings(robot)),
             *pad_findings(robot, meshes),
             *mesh_findings(figures, meshes, robot),

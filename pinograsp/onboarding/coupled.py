@@ -31,7 +31,7 @@ class Facing(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupled:
     """Joints that move two fingers alike: second = factor * first + offset."""
 
     first: str
@@ -62,7 +62,7 @@ class Coupling:
         return f"{texts((self.first, self.second))[1:-1]} move two fingers alike, and no <mimic> couples them"
 
 
-def coupling(tree: UrdfTree, hand: Sequence[str], pads: Sequence[Facing]) -> Coupling | None:
+def coupled_joints(tree: UrdfTree, hand: Sequence[str], pads: Sequence[Facing]) -> Coupled | None:
     """Return how the two joints of a jaw look coupled, or None if they do not.
 
     They do if each moves a finger with one of the two pads, as far and at the same rate towards its side.
@@ -85,17 +85,17 @@ def coupling(tree: UrdfTree, hand: Sequence[str], pads: Sequence[Facing]) -> Cou
         return None
     factor = 1.0 if rates[0] * rates[1] > 0.0 else -1.0
     offset = second.limits[0 if factor > 0.0 else 1] - factor * first.limits[0]
-    return Coupling(first.name, second.name, factor, offset if abs(offset) > ALIKE * max(spans) else 0.0)
+    return Coupled(first.name, second.name, factor, offset if abs(offset) > ALIKE * max(spans) else 0.0)
 
 
-def coupling_findings(robot: Robot) -> Iterator[Finding]:
+def coupled_findings(robot: Robot) -> Iterator[Finding]:
     """Find two joints that a robot file moves on their own and that look coupled."""
     hand, pads = robot.description.hand.synergies, list[Facing]()
     for pad in robot.description.pads:
         middle = patch_point(pad.patch, np.mean(pad.patch.parameters, axis=1))
         R = pad.patch.rotation
         pads.append(Facing(pad.link, R @ middle.point + pad.patch.origin, R @ middle.normal))
-    found = coupling(robot.urdf.tree, [synergy.joint for synergy in hand if synergy.joint is not None], pads)
+    found = coupled_joints(robot.urdf.tree, [synergy.joint for synergy in hand if synergy.joint is not None], pads)
     if found is not None and len(hand) == 2:
         rest = "" if found.rest is None else f" and hand.rest: {found.rest}"
         yield Finding("doubtful", found.said, f"If they move together, hand.synergies: [{found.synergy}]{rest}")

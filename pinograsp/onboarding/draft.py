@@ -77,5 +77,5 @@ def draft_of(parts: Parts, text: str) -> Draft:
         wrist=parts.wrist,
         pads=tuple(pad.link for pad in pads),
         pad_sizes=np.array([pad.sides for pad in pads]).reshape(-1, 2),
-        coupled="" if parts.coupling is None else f"{parts.coupling.said}: taken for one synergy",
+        coupled="" if parts.coupled is None else f"{parts.coupled.said}: taken for one synergy",
     )

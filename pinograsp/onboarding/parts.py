@@ -17,7 +17,7 @@ from ..kinematics.collision_elements import LinkElement, link_elements
 from ..kinematics.tree import UrdfTree
 from ..progress import Progress, Report, no_report
 from .chain import Chain, find_chain
-from .coupled import Coupling, Facing, coupling
+from .coupled import Coupled, Facing, coupled_joints
 from .facets import Facet, facets_of
 from .facing import facing, finger_of, usual_limits
 from .link_meshes import link_meshes
@@ -46,7 +46,7 @@ class Parts:
     """Whether the wrist's z axis points to the pads."""
     turning: bool
     """Whether there are two pads that the hand turns against each other."""
-    coupling: Coupling | None
+    coupled: Coupled | None
     """How two joints of the hand look coupled."""
 
 
@@ -79,11 +79,11 @@ def parts_of(composition: Composition, urdf: RobotUrdf, tip: str | None, report:
     to = composition.attach[-1].to if composition.attach else None
     wrist, towards = _wrist(tree, chain, pads, to)
     sides = [Facing(pad.link, pad.origin, pad.axes[:, 2]) for pad in pads]
-    alike = coupling(tree, chain.hand, sides)
+    alike = coupled_joints(tree, chain.hand, sides)
     return Parts(composition, tree, chain, pads, wrist, towards, _turning(tree, chain, pads, alike), alike)
 
 
-def _turning(tree: UrdfTree, chain: Chain, pads: Sequence[Facet], alike: Coupling | None) -> bool:
+def _turning(tree: UrdfTree, chain: Chain, pads: Sequence[Facet], alike: Coupled | None) -> bool:
     """Whether two pads do not stay parallel as the hand moves from one end of its range to the other."""
     if len(pads) != 2:
         return False

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..descriptions.composition import Attachment, UrdfPart
 from ..words import in_words, number_of
-from .coupled import Coupling
+from .coupled import Coupled
 from .pad_text import HARD, SOFT, numbers, pad_lines, pad_names
 from .parts import Parts, guessed_limits
 from .yaml_text import text, texts
@@ -95,8 +95,8 @@ def _arm(found: Parts) -> list[str]:
 
 
 def _hand(found: Parts) -> list[str]:
-    if found.coupling is not None:
-        return _coupled(found.coupling)
+    if found.coupled is not None:
+        return _coupled(found.coupled)
     lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
     if len(found.chain.hand) > MANY:
         lines.append(
@@ -111,15 +111,15 @@ def _hand(found: Parts) -> list[str]:
     return lines
 
 
-def _coupled(coupling: Coupling) -> list[str]:
+def _coupled(pair: Coupled) -> list[str]:
     lines = [
         "hand:",
-        f"  # CHECK: {coupling.said}.",
+        f"  # CHECK: {pair.said}.",
         "  # They are taken for one synergy. If each moves on its own, this is the line instead:",
-        f"  # synergies: {coupling.apart}",
-        f"  synergies: [{coupling.synergy}]",
+        f"  # synergies: {pair.apart}",
+        f"  synergies: [{pair.synergy}]",
     ]
-    return lines if coupling.rest is None else [*lines, f"  rest: {coupling.rest}    # not with the line above"]
+    return lines if pair.rest is None else [*lines, f"  rest: {pair.rest}    # not with the line above"]
 
 
 def _pads(found: Parts) -> list[str]:
