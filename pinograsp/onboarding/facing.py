@@ -24,6 +24,8 @@ OVERLAP_ALLOWED = 1e-3
 PROUD = 5e-4
 """A link that reaches farther than this beyond a face is in the way of what the face is to touch, m."""
 MOST_PAIRS = 300
+SIDE = 0.8
+"""Cosine between its normal and the axis of its finger from which on a face is at the finger's side."""
 WORTH = 0.2
 """Part of the best pairing's score that a further finger is worth to be given a pad."""
 STEPS, POSTURES = 41, 300
@@ -60,18 +62,24 @@ def facing(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[st
         palm: link that carries the fingers; the faces are of different ones.
         hand: the hand's joints that follow none.
     """
+    fingers = {facet.link: finger_of(tree, palm, facet.link) for facet in facets}
+    motions = {link: _motion(tree, palm, link) for link in fingers}
+    many = len(set(fingers.values())) > 2
+    facets = [facet for facet in facets if _may_touch(facet, motions[facet.link], many)]
     if not facets:
         return ()
     poses = [tree.poses(angles) for angles in _postures(tree, hand)]
-    fingers = [finger_of(tree, palm, facet.link) for facet in facets]
+    own = [fingers[facet.link] for facet in facets]
+    outer = _outwardness(tree, facets, own)
     found = []
     for first, second in _likely(facets, poses, NEARLY if len(hand) > 1 else OPPOSED):
-        if fingers[first] != fingers[second]:
+        if own[first] != own[second]:
             score = _score(facets[first], facets[second], poses, often=len(hand) == 1)
+            score *= min(outer[first], outer[second]) if len(hand) > 1 else 1.0
             found += [Pairing(score, first, second)] if score > 0.0 else []
     if not found:
         return ()
-    return tuple(facets[index] for index in _thumb_first(found, fingers))
+    return tuple(facets[index] for index in _thumb_first(found, own))
 
 
 def finger_of(tree: UrdfTree, palm: str, link: str) -> str:
@@ -80,24 +88,66 @@ def finger_of(tree: UrdfTree, palm: str, link: str) -> str:
     return beyond[0].name if beyond else ""
 
 
+def _motion(tree: UrdfTree, palm: str, link: str) -> Array | None:
+    """Return how its own joint moves a link of a finger a little towards the end of its range that is farther from 0.
+
+    Shape (4, 4), in the link's frame; None for a link of the palm's body.
+    """
+    beyond = tree.path(link)[len(tree.path(palm)) :]
+    if not beyond:
+        return None
+    joint = beyond[-1]
+    leader = tree.joints[joint.leader or joint.name]
+    step = 1e-3 if abs(leader.limits[1]) >= abs(leader.limits[0]) else -1e-3
+    ends = [tree.poses({leader.name: value}) for value in (0.0, step)]
+    before, after = (np.linalg.inv(at[joint.parent]) @ at[link] for at in ends)
+    return np.asarray(np.linalg.inv(before) @ after)
+
+
+def _may_touch(facet: Facet, motion: Array | None, many: bool) -> bool:
+    """Whether a face may be meant to touch: neither a side of a finger nor, among many fingers, a back.
+
+    A face is at a side if the finger's own joint never moves it along its normal: the normal is along the axis about
+    which it turns, or across the way on which it slides. Among many fingers it is a back if it does not go along its
+    normal as the finger bends; of two, which may open with their joints, nobody knows.
+    """
+    if motion is None:
+        return True
+    normal = facet.axes[:, 2]
+    way = np.array([motion[2, 1], motion[0, 2], motion[1, 0]])
+    if np.linalg.norm(way) < 1e-9:  # it slides
+        slides = motion[:3, 3] / max(float(np.linalg.norm(motion[:3, 3])), 1e-12)
+        return abs(float(slides @ normal)) > math.sqrt(1.0 - SIDE**2)
+    if abs(float(way @ normal)) > SIDE * np.linalg.norm(way):
+        return False
+    moved = motion[:3, :3] @ facet.origin + motion[:3, 3] - facet.origin
+    return not many or float(moved @ normal) > 0.0
+
+
+def _outwardness(tree: UrdfTree, facets: Sequence[Facet], fingers: Sequence[str]) -> list[float]:
+    """Return how far out the link of every face is on its finger, 1 for the outermost ones, which touch things."""
+    joints = [len(tree.path(facet.link)) for facet in facets]
+    ends = {finger: [n for n, own in zip(joints, fingers, strict=True) if own == finger] for finger in fingers}
+    return [1.0 / (1 + max(ends[finger]) - n) for n, finger in zip(joints, fingers, strict=True)]
+
+
 def _thumb_first(found: Sequence[Pairing], fingers: Sequence[str]) -> list[int]:
-    """Return the faces of the best pairing, the thumb's first, and of other fingers those that the thumb closes on."""
-    best = max(found)
+    """Return the two faces of the best pairing; of more fingers the thumb's face, then those that it closes on.
 
-    def against(face: int) -> dict[str, tuple[float, int]]:
-        """Return for every other finger its best face against one face, with the score."""
-        scores: dict[str, tuple[float, int]] = {}
-        for score, first, second in found:
-            if face in (first, second):
-                other = second if face == first else first
-                scores[fingers[other]] = max(scores.get(fingers[other], (0.0, 0)), (score, other))
-        return scores
-
-    sides = [(face, against(face)) for face in (best.first, best.second)]
-    thumb, others = max(sides, key=lambda side: sum(score for score, _ in side[1].values()))
-    kept = sorted((pair for pair in others.values() if pair[0] >= WORTH * best.score), reverse=True)
-    faces = [thumb, *(face for _, face in kept)]
-    return faces if len(faces) > 2 else [best.first, best.second]
+    The thumb's is the face that closes best on all other fingers together, one face of each.
+    """
+    against: dict[int, dict[str, tuple[float, int]]] = {}
+    for score, *pair in found:
+        for face, other in (pair, pair[::-1]):
+            best = against.setdefault(face, {}).get(fingers[other], (0.0, 0))
+            against[face][fingers[other]] = max(best, (score, other))
+    thumb = max(against, key=lambda face: sum(score for score, _ in against[face].values()))
+    ranked = sorted(against[thumb].values(), reverse=True)
+    kept = [face for score, face in ranked if score >= WORTH * ranked[0][0]]
+    if len(kept) > 1:
+        return [thumb, *kept]
+    _, first, second = max(found)
+    return [first, second]
 
 
 def _likely(facets: Sequence[Facet], poses: Sequence[Mapping[str, Array]], opposed: float) -> list[tuple[int, int]]:
