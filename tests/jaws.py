@@ -82,3 +82,26 @@ def arm(hand: str, *, name: str = ' name="little"', more: str = "") -> str:
         for name_, parent, child, z, axis, reach in _JOINTS
     )
     return f"<robot{name}>{links}{joints}{hand}{more}</robot>"
+
+
+def finger(name: str, place: str, axis: str, width: float = 0.02) -> str:
+    """Return two phalanges of 45 mm along z that turn about x or against it."""
+    phalanx = box("0 0 0.0235", f"{width} 0.012 0.045")
+    return (
+        link(f"{name}_1", phalanx)
+        + link(f"{name}_2", phalanx)
+        + joint(f"{name}_a", "revolute", "palm", f"{name}_1", place, axis, limit(-0.1, 1.4))
+        + joint(f"{name}_b", "revolute", f"{name}_1", f"{name}_2", "0 0 0.047", axis, limit(-0.1, 1.4))
+    )
+
+
+THUMB = finger("thumb", "0.005 -0.03 0.035", "-1 0 0", 0.06)
+MANY_FINGERS = (
+    link("palm", box("0 0 0.015", "0.1 0.1 0.03"))
+    + MOUNT
+    + finger("index", "0.03 0.03 0.035", "1 0 0")
+    + finger("middle", "0.005 0.03 0.035", "1 0 0")
+    + finger("ring", "-0.02 0.03 0.035", "1 0 0")
+    + THUMB
+)
+"""Three fingers side by side, 5 mm between them, which bend towards -y, and a broad thumb that bends towards +y."""

@@ -1,8 +1,8 @@
 """A composed URDF as Pinocchio gets it: every movable joint on its own and described by one number.
 
 Continuous joints become revolute with +-2 pi: Pinocchio would describe them by (cos, sin), which an optimiser with
-bounds cannot use, and forward kinematics are the same. Mimic joints become joints of their own. What is for show goes,
-and masses: nothing here asks for them, and what is wrong with them must not stop anything.
+bounds cannot use, and forward kinematics are the same. Mimic joints become joints of their own. Limits are those within
+which joints are kept. Visual geometry goes.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ def pinocchio_xml(tree: ET.Element) -> str:
         elif joint.find("limit") is not None:
             _bound(joint, low, high)
     for link in changed.findall("link"):
-        for element in (*link.findall("visual"), *link.findall("inertial")):
-            link.remove(element)
+        for visual in link.findall("visual"):
+            link.remove(visual)
     return ET.tostring(changed, encoding="unicode")
 
 
