@@ -516,7 +516,7 @@ def test_name_that_is_not_in_the_urdf(changes: dict[str, Any], key: str, words: 
             '"shoulder" type="floating"',
             "toy.urdf",
             "shoulder",
-            "'floating' is not supported",
+            "a floating joint is moved by nothing",
         ),
         ('lower="-1.5" upper="1.5" ', "", "robot.yaml", "arm.limits", "'shoulder' has no usable limits"),
         ('lower="-1.5" upper="1.5"', 'lower="1.5" upper="-1.5"', "robot.yaml", "arm.limits", "no usable limits"),

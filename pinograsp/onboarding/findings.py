@@ -61,7 +61,7 @@ class Face(Record):
     origin: Array
     """Middle, m, shape (3,)."""
     axes: Array
-    """Rotation, shape (3, 3); columns x and y along the sides, outward normal."""
+    """Unit vectors x and y along the sides, and the outward normal, as columns, shape (3, 3)."""
     sides: Array
     """Along x and y, m, shape (2,)."""
     pad: str
