@@ -494,7 +494,7 @@ def test_urdf_or_srdf_that_does_not_exist(key: str, address: str, tmp_path: Path
             "Did you mean right",
         ),
         (
-            {"pads": [TOY_ROBOT["pads"][0], TOY_ROBOT["pads"][1] | {"link": "arm"}]},
+            {"pads": [TOY_ROBOT["pads"][0], TOY_ROBOT["pads"][1] | {"link": "base"}]},
             "pads[1].link",
             "not moved by the hand",
         ),

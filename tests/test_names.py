@@ -65,6 +65,8 @@ def test_a_robot_file_keeps_names_of_the_urdf(name: str, tmp_path: Path) -> None
     assert robot.posture_names == ("a1", "a2", name, "a4", "a5", "a6", f"{name} slide")
     assert robot.description.arm.wrist == name
     assert [pad.link for pad in robot.description.pads] == [f"{name} finger", "finger_r"]
+    if name == "jaw left/1":  # of a joint and of a link
+        assert [finding for finding in pinograsp.check_robot(file).findings if finding.level != "ok"] == []
 
 
 @pytest.mark.parametrize("name", ["on", "0", "a: b", "..."])

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
 from ..kinematics.robot import Robot
@@ -75,7 +76,10 @@ def encloses(mesh: TriangleMesh) -> bool:
 
 def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding]:
     """Find what would move unseen, and what cannot be shown."""
-    body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in robot.urdf.links}
+    frames = {
+        link: robot.model.getFrameId(link, pin.BODY) for link in robot.urdf.links
+    }  # a joint may be called so, too
+    body = {link: robot.model.frames[frame].parentJoint for link, frame in frames.items()}
     solid = {body[link] for link in meshes}
     for link in robot.urdf.composed.tree.findall("link"):
         name = link.get("name", "")
