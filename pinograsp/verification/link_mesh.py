@@ -50,7 +50,7 @@ class LinkMesh:
 
     @cached_property
     def hull_solid(self) -> Any | None:
-        """Coal's convex hull; None where Qhull or Coal makes none."""
+        """Coal's convex hull, or what is a little larger; None of what is flat."""
         return hull_solid(self.hull)
 
     @cached_property
