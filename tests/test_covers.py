@@ -458,7 +458,7 @@ def test_collision_block_that_makes_no_sense(make_toy: RobotFactory, collision: 
         ('<geometry><cylinder radius="0.1"/></geometry>', "length of a collision's <cylinder> has 0 numbers"),
         ('<geometry><sphere radius="wide"/></geometry>', "'wide' is not a number"),
         ('<geometry><sphere radius="-0.1"/></geometry>', "not positive"),
-        ('<origin xyz="1 2"/><geometry><sphere radius="0.1"/></geometry>', "xyz of a collision's <origin>"),
+        ('<origin xyz="1 2"/><geometry><sphere radius="0.1"/></geometry>', "xyz of <origin> has 2 numbers, not 3"),
     ],
 )
 def test_collision_element_that_others_pass_over_is_refused(

@@ -23,6 +23,8 @@ from .urdf_checks import check_tree, number
 
 Pairs = dict[frozenset[str], frozenset[str]]
 
+_NOT_ASKED_FOR = ("inertial", "dynamics", "calibration")
+"""Elements of links and joints that nothing here asks for: what is wrong with them must not stop anything."""
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
@@ -134,6 +136,7 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     for element in list(tree):
         if element.tag not in {"link", "joint", "material"}:
             tree.remove(element)
+    _strip(tree)
     wanted = [(name, f"{key}leave_out[{index}]") for index, name in enumerate(part.leave_out)]
     for name, its_key in wanted if part.root is None else [*wanted, (part.root, f"{key}root")]:
         _require(name, tree, file, robot, its_key)
@@ -148,6 +151,16 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     return tree, set(links) - set(_names(tree, "link"))
 
 
+def _strip(tree: ET.Element) -> None:
+    """Take out what nothing here asks for; of limits, Pinocchio wants to have effort and velocity."""
+    for part in (*tree.findall("link"), *tree.findall("joint")):
+        for element in [element for element in part if element.tag in _NOT_ASKED_FOR]:
+            part.remove(element)
+    for limit in tree.iterfind("joint/limit"):
+        limit.set("effort", "0")
+        limit.set("velocity", "0")
+
+
 def parse(file: Path, tag: str) -> ET.Element:
     """Read an XML file whose root element is `tag`.
 
@@ -156,7 +169,7 @@ def parse(file: Path, tag: str) -> ET.Element:
     """
     try:
         root = ET.fromstring(content_of(file))
-    except (ET.ParseError, ValueError) as error:  # the latter where it names an encoding that there is not
+    except (ET.ParseError, ValueError, LookupError) as error:  # the latter two of encodings that there are not
         raise FileError(f"is not valid XML: {error}", file=file) from None
     if root.tag != tag:
         raise FileError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
