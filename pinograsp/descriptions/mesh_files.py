@@ -36,8 +36,25 @@ CONTENT = {"mesh files": "content"}
 Unit = Literal["m", "mm", "cm", "in"]
 METRES: dict[Unit, float] = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 """Metres in each unit."""
+_POINTER = b"version https://git-lfs."
 LARGEST = 3.0
 """A body that is larger, were its coordinates metres, has them in millimetres, m."""
+
+
+def mesh_bytes(file: Path) -> bytes:
+    """Return the content of a mesh file.
+
+    Raises:
+        FileError: it cannot be read, is empty, or a pointer of Git LFS stands in its place.
+    """
+    content = content_of(file)
+    if content.startswith(_POINTER):
+        raise FileError(
+            "is a pointer of Git LFS, not the mesh", file=file, remedy="Run `git lfs pull` where it is from"
+        )
+    if not content.strip():
+        raise FileError("is an empty file", file=file, remedy="Copy or export the mesh again")
+    return content
 
 
 def metres_in_unit(unit: Unit | None, stated: float, extent: float) -> float:
@@ -130,7 +147,7 @@ class MeshFile(Frozen):
             FileError: it cannot be read, or is not that which was described.
         """
         assert self.file is not None
-        found = content_of(self.file)
+        found = mesh_bytes(self.file)
         if digest(found) != self.sha256:
             remedy = "Load the scene again; a result stands for the file that it was planned with"
             raise FileError("is not the file that the scene was made with", file=self.file, remedy=remedy)

@@ -15,7 +15,7 @@ from ..arrays import Array, Integers
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
-VERSION = 1
+VERSION = 2
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
 
 
