@@ -158,9 +158,9 @@ def turned(mesh: Any) -> Array:
 
 ROUND = {
     "disc": lambda: trimesh.creation.cylinder(0.045, 0.26, sections=600),
-    "thin disc": lambda: trimesh.creation.cylinder(0.045, 0.002, sections=1000),
+    "thin disc": lambda: trimesh.creation.cylinder(0.045, 0.002, sections=700),
     "cone": lambda: trimesh.creation.cone(0.045, 0.26, sections=700),
-    "pole": lambda: trimesh.creation.uv_sphere(radius=0.05, count=[8, 300]),
+    "pole": lambda: trimesh.creation.uv_sphere(radius=0.05, count=[5, 280]),
 }
 
 

@@ -62,7 +62,7 @@ def test_vectors_of_three_finite_numbers_are_wanted(where: str, text: str, tmp_p
     words = str(caught.value)
     assert str(tmp_path / "toy.urdf") in words and key in words and BAD[text] in words, words
     assert words.split(key)[0].split(": ")[1].split()[0] in {"joint", "link"}
-    with pytest.raises(InputError, match="toy.urdf"):  # the reading that the verification begins with
+    with pytest.raises(InputError, match=r"toy\.urdf"):  # the reading that the verification begins with
         read_urdf(load_robot_description(file))
 
 

@@ -29,6 +29,14 @@ NEW_OPTIONS = {
 }
 """Of `robot new`, by the arguments of `new_robot_file`."""
 
+Packages = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="[NAME=]FOLDER",
+        help="Folder in which package:// is looked up, or NAME=FOLDER for that of one package; repeatable.",
+    ),
+]
+
 
 def register(app: typer.Typer) -> None:
     """Add the group of commands."""
@@ -52,6 +60,7 @@ def robot(context: typer.Context) -> None:
 def check(
     robot: arguments.RobotFile,
     out: arguments.Out = Path("out"),
+    packages: Packages = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -65,7 +74,7 @@ def check(
     terminal = Terminal(as_json, quiet)
     make_folder(out)
     with terminal.progress() as progress:
-        report = pinograsp.check_robot(robot, progress)
+        report = pinograsp.check_robot(robot, progress, packages=packages or ())
         page = out / file_name(report.name, "check", suffix="html")
         written = saved(_files(report, page))
     terminal.find(report.to_json, lambda: _report(report, terminal))
@@ -102,9 +111,7 @@ def new(
     prefix: Annotated[str, typer.Option(help="Put before the names of the hand's links and joints.")] = "",
     hand_root: Annotated[str | None, typer.Option(help="Link of the hand's URDF with which the hand begins.")] = None,
     tip: Annotated[str | None, typer.Option(help="Link that carries the fingers, where arms branch.")] = None,
-    packages: Annotated[
-        list[Path] | None, typer.Option(metavar="FOLDER", help="Folder in which package:// is looked up; repeatable.")
-    ] = None,
+    packages: Packages = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a robot file that is there.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,

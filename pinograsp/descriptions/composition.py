@@ -9,6 +9,7 @@ from typing import NamedTuple
 from ..errors import FileError
 from . import locate
 from .model import FileRoot, Frozen
+from .packages import PackageFolders
 from .pose import Pose
 from .values import Format1, Name
 
@@ -52,11 +53,11 @@ class Composition(FileRoot, UrdfPart):
     attach: tuple[Attachment, ...] = ()
     """Further URDFs, each fixed to a link of what is there so far."""
     packages: tuple[Path, ...] = ()
-    """Folders, besides those of the installed wheels, in which `package://` is looked up."""
+    """Folders, besides those of the installed wheels, in which `package://` is looked up, or `name=folder` of one."""
 
     @cached_property
-    def folders(self) -> list[Path]:
-        """Folders in which `package://` is looked up."""
+    def folders(self) -> PackageFolders:
+        """Folders in which packages are looked up."""
         return locate.package_folders(self.source, self.packages)
 
     @cached_property
@@ -95,6 +96,6 @@ class Composition(FileRoot, UrdfPart):
                 f"{address} was not found",
                 file=self.source,
                 key=key,
-                remedy="Looked in " + ", ".join(str(folder) for folder in self.folders),
+                remedy=locate.not_found(address, beside=self.source, folders=self.folders),
             )
         return found

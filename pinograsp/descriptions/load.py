@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from . import locate
 from .model import Root
+from .packages import absolute_entry
 from .robot import RobotDescription
 from .scene import Scene
 
@@ -20,14 +22,21 @@ def load_scene(name: str | Path) -> Scene:
     return _read(locate.scene_file(name), Scene)
 
 
-def load_robot_description(name: str | Path) -> RobotDescription:
+def load_robot_description(name: str | Path, packages: Sequence[str | Path] = ()) -> RobotDescription:
     """Read a robot file, given by path, by folder or by the name of a shipped robot.
+
+    Args:
+        name: of the file.
+        packages: folders, or `name=folder`, that go before those of the file; relative to the working directory.
 
     Raises:
         FileError: the file, its URDF or its SRDF is missing, cannot be read or is not YAML.
         InputError: a key or value is wrong; the message names file, line and key.
     """
     description = _read(locate.robot_file(name), RobotDescription)
+    if packages:
+        first = tuple(map(absolute_entry, packages))
+        description = description.model_copy(update={"packages": (*first, *description.packages)})
     _ = description.files
     return description
 

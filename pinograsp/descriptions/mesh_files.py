@@ -24,6 +24,7 @@ from ..disk import content_of, digest, is_folder
 from ..errors import FileError
 from .locate import package_folders, resolve
 from .model import Frozen
+from .packages import readings
 from .values import NotNegative, Positive, listed, wrong
 
 FILE_TYPES = ("stl", "obj", "ply", "glb", "dae", "off")
@@ -79,12 +80,13 @@ def _absolute(address: object, info: ValidationInfo) -> str:
         known = ", ".join(f".{name}" for name in FILE_TYPES)
         raise wrong(f"{text!r} is no mesh file that can be read", remedy=f"The suffix must be one of {known}")
     scene: Path = (info.context or {}).get(SCENE_FILE, Path("scene.yaml"))
-    if not text.startswith("package://"):
-        return os.path.normpath(scene.resolve().parent / text.removeprefix("file://"))
+    if all(reading.package is None for reading in readings(text)):
+        return os.path.normpath(scene.resolve().parent / readings(text)[0].path)
     folders = package_folders(scene, ())
     found = resolve(text, beside=scene, folders=folders)
     if found is None:
-        raise wrong(f"{text} was not found", remedy="Looked in " + ", ".join(map(str, folders)))
+        looked = ", ".join(map(str, folders.all))
+        raise wrong(f"{text} was not found", remedy=f"Looked in {looked}")
     return str(found)
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from ..disk import content_of
 from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
-from .locate import resolve
+from .locate import not_found, resolve
 from .urdf_checks import check_tree, number
 
 Pairs = dict[frozenset[str], frozenset[str]]
@@ -255,12 +255,11 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
                 if found is not None:
                     mesh.set("filename", str(found))
                 elif kind == "collision":
-                    looked = ", ".join(str(folder) for folder in [file.parent, *robot.folders])
                     raise FileError(
                         f"mesh {address} was not found",
                         file=file,
                         key=f"link {link.get('name')}",
-                        remedy=f"Looked in {looked}; name further folders under `packages` in the robot file",
+                        remedy=not_found(address, beside=file, folders=robot.folders),
                     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,19 +46,21 @@ class RobotReport(Record):
         return any(finding.level == "wrong" for finding in self.findings)
 
 
-def check_robot(name: str | Path, progress: Report = no_report) -> RobotReport:
+def check_robot(name: str | Path, progress: Report = no_report, *, packages: Sequence[str | Path] = ()) -> RobotReport:
     """Look at a robot file: what is wrong or doubtful with it, and how closely it is followed.
 
     A file that can be read and gives no robot is a finding, too, not an error.
 
     Args:
         name: path, folder, or name of a shipped robot.
+        packages: folders in which `package://` is looked up besides those of the file, or `name=folder` for the folder
+            of one package; relative to the working directory.
         progress: called as the work goes on: `convex pieces` of the meshes, and `compiling`, once on a machine.
 
     Raises:
         InputError: the robot file itself is missing, is not YAML, or has a key or value that is wrong.
     """
-    description = load_robot_description(name)
+    description = load_robot_description(name, packages)
     try:
         robot = Robot(description)
     except InputError as error:
