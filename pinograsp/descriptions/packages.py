@@ -153,7 +153,7 @@ def remedy_for(address: str, home: Path, folders: PackageFolders) -> str:
         other = _in_other_case(candidate)
         if other is not None:
             return f"There is {other}: upper and lower case count"
-    looked = ", ".join(map(str, [home, *folders.all]))
+    looked = ", ".join(dict.fromkeys(map(os.path.normpath, [home, *folders.all])))
     package = readings(address)[0].package
     if package is None:
         return f"Looked in {looked}"

@@ -63,13 +63,13 @@ class MeshContent:
     paint: Paint
 
 
-def read_content(file: Path, content: bytes, most: int = MOST_TRIANGLES) -> MeshContent:
+def read_content(file: Path, content: bytes, most: int | None = None) -> MeshContent:
     """Return the triangles in the content of a mesh file.
 
     Args:
         file: its suffix tells the format.
         content: that it has.
-        most: triangles that are taken, of copies of its parts too.
+        most: triangles that are taken, of copies of its parts too; by default `MOST_TRIANGLES`.
 
     Raises:
         FileError: it is too large or cannot be read, or a corner is no place.
@@ -77,7 +77,7 @@ def read_content(file: Path, content: bytes, most: int = MOST_TRIANGLES) -> Mesh
     if len(content) > MOST_BYTES:
         problem = f"has {len(content) / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read"
         raise FileError(problem, file=file, remedy="Simplify the mesh")
-    kind = file.suffix[1:].lower()
+    kind, most = file.suffix[1:].lower(), MOST_TRIANGLES if most is None else most
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of the parsers, about what is judged here

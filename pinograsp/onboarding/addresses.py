@@ -60,19 +60,16 @@ def needed_packages(urdfs: Sequence[Path], packages: Sequence[str | Path], outpu
     home, share = output.resolve().parent, wheel_share().resolve()
     given = [(name, folder.expanduser().resolve()) for name, folder in map(named_folder, packages)]
 
-    def add(name: str | None, folder: Path) -> None:
-        known = (home, share, *(listed for package, listed in given if package is None))
-        if (name, folder) not in given and (name or not any(folder.is_relative_to(outer) for outer in known)):
-            given.append((name, folder))
-
     for urdf in urdfs:
-        add(None, urdf.parent)
+        known = (home, share, *(folder for name, folder in given if name is None))
+        if not any(urdf.is_relative_to(folder) for folder in known):
+            given.append((None, urdf.parent))
         for mesh in parse(urdf, "robot").iterfind("link/*/geometry/mesh"):
             address = mesh.get("filename", "")
             folders = PackageFolders([_entry(*one) for one in given], home, [home, share])
-            if resolve(address, beside=urdf, folders=folders) is None and (found := _holding(address, urdf)):
-                name, folder = found
-                given += [] if (name, folder) in given else [(name, folder)]
+            if resolve(address, beside=urdf, folders=folders) is None:
+                found = _holding(address, urdf)
+                given += [] if found is None or found in given else [found]
     return tuple(Path(_entry(name, _relative(folder, home))) for name, folder in given)
 
 
