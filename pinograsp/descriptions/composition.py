@@ -9,7 +9,6 @@ from typing import NamedTuple
 from ..errors import FileError
 from . import locate
 from .model import FileRoot, Frozen
-from .packages import PackageFolders
 from .pose import Pose
 from .values import Format1, Name
 
@@ -56,9 +55,9 @@ class Composition(FileRoot, UrdfPart):
     """Folders, besides those of the installed wheels, in which `package://` is looked up, or `name=folder` of one."""
 
     @cached_property
-    def folders(self) -> PackageFolders:
-        """Folders in which packages are looked up."""
-        return locate.package_folders(self.source, self.packages)
+    def folders(self) -> list[Path]:
+        """Folders in which packages are looked up, those of single packages first."""
+        return locate.package_folders(self.source, self.packages).all
 
     @cached_property
     def urdf_file(self) -> Path:
@@ -90,12 +89,13 @@ class Composition(FileRoot, UrdfPart):
         return {key: file for key, file in named.items() if file is not None}
 
     def _resolve(self, key: str, address: str) -> Path:
-        found = locate.resolve(address, beside=self.source, folders=self.folders)
+        folders = locate.package_folders(self.source, self.packages)
+        found = locate.resolve(address, beside=self.source, folders=folders)
         if found is None:
             raise FileError(
                 f"{address} was not found",
                 file=self.source,
                 key=key,
-                remedy=locate.not_found(address, beside=self.source, folders=self.folders),
+                remedy=locate.not_found(address, beside=self.source, folders=folders),
             )
         return found

@@ -18,7 +18,7 @@ from pathlib import Path
 from ..disk import content_of
 from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
-from .locate import not_found, resolve
+from .locate import not_found, package_folders, resolve
 from .urdf_checks import check_tree, number
 
 Pairs = dict[frozenset[str], frozenset[str]]
@@ -247,11 +247,12 @@ def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: s
 
 def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
     """Make the addresses of meshes absolute paths; one that is only for show may be missing."""
+    folders = package_folders(robot.source, robot.packages)
     for link in tree.findall("link"):
         for kind in ("visual", "collision"):
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 address = mesh.get("filename", "")
-                found = resolve(address, beside=file, folders=robot.folders)
+                found = resolve(address, beside=file, folders=folders)
                 if found is not None:
                     mesh.set("filename", str(found))
                 elif kind == "collision":
@@ -259,7 +260,7 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
                         f"mesh {address} was not found",
                         file=file,
                         key=f"link {link.get('name')}",
-                        remedy=not_found(address, beside=file, folders=robot.folders),
+                        remedy=not_found(address, beside=file, folders=folders),
                     )
 
 
