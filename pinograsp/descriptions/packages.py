@@ -149,14 +149,15 @@ def candidates(address: str, home: Path, folders: PackageFolders) -> Iterator[Pa
 
 def remedy_for(address: str, home: Path, folders: PackageFolders) -> str:
     """Return what is to be done about an address that leads to no file; arguments as of `candidates`."""
+    allowed = [folder.resolve() for folder in (home, *folders.all)]
     for candidate in candidates(address, home, folders):
-        other = _in_other_case(candidate)
-        if other is not None:
+        other = _in_other_case(Path(os.path.normpath(candidate)))
+        if other is not None and any(other.resolve().is_relative_to(folder) for folder in allowed):
             return f"There is {other}: upper and lower case count"
     looked = ", ".join(dict.fromkeys(map(os.path.normpath, [home, *folders.all])))
     package = readings(address)[0].package
     if package is None:
-        return f"Looked in {looked}"
+        return f"Looked in {looked}; name further folders under `packages` in the robot file"
     there = next((folder for folder in folders.of(package) if folder.is_dir()), None)
     if there is not None:
         return f"The package is taken to be {there}; if another is meant, give its folder: {_how_to_give(package)}"
@@ -168,8 +169,7 @@ def _how_to_give(package: str) -> str:
 
 
 def _in_other_case(path: Path) -> Path | None:
-    """Return a file of a path but for upper and lower case."""
-    path = Path(os.path.normpath(path))
+    """Return the file that has a path but for upper and lower case."""
     found = Path(path.anchor)
     for part in path.parts[1:]:
         inner = found / part
