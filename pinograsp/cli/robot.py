@@ -31,6 +31,14 @@ NEW_OPTIONS = {
 }
 """Of `robot new`, by the arguments of `new_robot_file`."""
 
+Packages = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="[NAME=]FOLDER",
+        help="Folder in which package:// is looked up, or NAME=FOLDER for that of one package; repeatable.",
+    ),
+]
+
 
 def register(app: typer.Typer) -> None:
     """Add the group of commands."""
@@ -54,6 +62,7 @@ def robot(context: typer.Context) -> None:
 def check(
     robot: arguments.RobotFile,
     out: arguments.Out = Path("out"),
+    packages: Packages = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -67,7 +76,7 @@ def check(
     terminal = Terminal(as_json, quiet)
     make_folder(out)
     with terminal.progress() as progress:
-        report = pinograsp.check_robot(robot, progress)
+        report = pinograsp.check_robot(robot, progress, packages=packages or ())
         page = out / file_name(report.name, "check", suffix="html")
         written = saved(_files(report, page))
     terminal.find(report.to_json, lambda: _report(report, terminal))
@@ -104,9 +113,7 @@ def new(
     prefix: Annotated[str, typer.Option(help="Put before the names of the hand's links and joints.")] = "",
     hand_root: Annotated[str | None, typer.Option(help="Link of the hand's URDF with which the hand begins.")] = None,
     tip: Annotated[str | None, typer.Option(help="Link that carries the fingers, where arms branch.")] = None,
-    packages: Annotated[
-        list[Path] | None, typer.Option(metavar="FOLDER", help="Folder in which package:// is looked up; repeatable.")
-    ] = None,
+    packages: Packages = None,
     use_visual: Annotated[
         bool, typer.Option("--use-visual", help="Links without collision geometry collide as they are shown.")
     ] = False,

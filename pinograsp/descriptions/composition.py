@@ -58,12 +58,12 @@ class Composition(FileRoot, UrdfPart):
     attach: tuple[Attachment, ...] = ()
     """Further URDFs, each fixed to a link of what is there so far."""
     packages: tuple[Path, ...] = ()
-    """Folders, besides those of the installed wheels, in which `package://` is looked up."""
+    """Folders, besides those of the installed wheels, in which `package://` is looked up, or `name=folder` of one."""
 
     @cached_property
     def folders(self) -> list[Path]:
-        """Folders in which `package://` is looked up."""
-        return locate.package_folders(self.source, self.packages)
+        """Folders in which packages are looked up, those of single packages first."""
+        return locate.package_folders(self.source, self.packages).all
 
     @cached_property
     def urdf_file(self) -> Path:
@@ -95,12 +95,13 @@ class Composition(FileRoot, UrdfPart):
         return {key: file for key, file in named.items() if file is not None}
 
     def _resolve(self, key: str, address: str) -> Path:
-        found = locate.resolve(address, beside=self.source, folders=self.folders)
+        folders = locate.package_folders(self.source, self.packages)
+        found = locate.resolve(address, beside=self.source, folders=folders)
         if found is None:
             raise FileError(
                 f"{address} was not found",
                 file=self.source,
                 key=key,
-                remedy="Looked in " + ", ".join(str(folder) for folder in self.folders),
+                remedy=locate.not_found(address, beside=self.source, folders=folders),
             )
         return found

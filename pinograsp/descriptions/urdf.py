@@ -21,12 +21,14 @@ from ..disk import content_of
 from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
 from .held_joints import hold
-from .locate import resolve
+from .locate import not_found, package_folders, resolve
 from .urdf_checks import check_joints, check_tree, number
 from .urdf_repairs import repair, show_as_collision
 
 Pairs = dict[frozenset[str], frozenset[str]]
 
+_NOT_ASKED_FOR = ("inertial", "dynamics", "calibration")
+"""Elements of links and joints that nothing here asks for: what is wrong with them must not stop anything."""
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
@@ -145,6 +147,7 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     for element in list(tree):
         if element.tag not in {"link", "joint", "material"}:
             tree.remove(element)
+    _strip(tree)
     wanted = [(name, f"{key}leave_out[{index}]") for index, name in enumerate(part.leave_out)]
     for name, its_key in wanted if part.root is None else [*wanted, (part.root, f"{key}root")]:
         _require(name, tree, file, robot, its_key)
@@ -185,6 +188,16 @@ def _held(
     return {**values, **{name: mimic.of(values[mimic.leader]) for name, mimic in follow.items()}}
 
 
+def _strip(tree: ET.Element) -> None:
+    """Take out what nothing here asks for; of limits, Pinocchio wants to have effort and velocity."""
+    for part in (*tree.findall("link"), *tree.findall("joint")):
+        for element in [element for element in part if element.tag in _NOT_ASKED_FOR]:
+            part.remove(element)
+    for limit in tree.iterfind("joint/limit"):
+        limit.set("effort", "0")
+        limit.set("velocity", "0")
+
+
 def parse(file: Path, tag: str) -> ET.Element:
     """Read an XML file whose root element is `tag`.
 
@@ -193,7 +206,7 @@ def parse(file: Path, tag: str) -> ET.Element:
     """
     try:
         root = _read(content_of(file))
-    except (ET.ParseError, expat.ExpatError, ValueError) as error:  # the last where it names an unknown encoding
+    except (ET.ParseError, expat.ExpatError, ValueError, LookupError) as error:  # the last two of unknown encodings
         raise FileError(f"is not valid XML: {error}", file=file) from None
     if root.tag != tag:
         raise FileError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
@@ -290,20 +303,20 @@ def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: s
 
 def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
     """Make the addresses of meshes absolute paths; one that is only for show may be missing."""
+    folders = package_folders(robot.source, robot.packages)
     for link in tree.findall("link"):
         for kind in ("visual", "collision"):
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 address = mesh.get("filename", "")
-                found = resolve(address, beside=file, folders=robot.folders)
+                found = resolve(address, beside=file, folders=folders)
                 if found is not None:
                     mesh.set("filename", str(found))
                 elif kind == "collision":
-                    looked = ", ".join(str(folder) for folder in [file.parent, *robot.folders])
                     raise FileError(
                         f"mesh {address} was not found",
                         file=file,
                         key=f"link {link.get('name')}",
-                        remedy=f"Looked in {looked}; name further folders under `packages` in the robot file",
+                        remedy=not_found(address, beside=file, folders=folders),
                     )
 
 

@@ -99,9 +99,6 @@ def _joint(joint: ET.Element) -> list[str]:
     if mimic is not None and joint.get("type") == "fixed":
         joint.remove(mimic)
         remarks.append(f"<mimic> of the fixed joint {name}")
-    for limit in joint.findall("limit"):
-        for key in ("effort", "velocity"):
-            limit.set(key, limit.get(key) or "0")  # nothing here asks for them, Pinocchio does
     return remarks
 
 

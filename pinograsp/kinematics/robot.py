@@ -27,6 +27,7 @@ from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
 from ..descriptions.urdf import Mimic
+from ..descriptions.urdf_checks import usable
 from ..errors import InputError, require_kind
 from ..geometry.patches import patch_point
 from . import urdf
@@ -235,15 +236,20 @@ class Robot:
         given = [(-math.inf, math.inf)] * self.arm_size
         given += [(-math.inf, math.inf) if s.joint or not s.limits else s.limits for s in synergies]
         lower, upper = np.array(given).T.copy()
+        by: dict[int, list[str]] = {}
         for row in np.flatnonzero((self.B != 0.0).sum(axis=1) == 1):
             column = int(np.flatnonzero(self.B[row])[0])
             factor = self.B[row, column]
-            ends = [(end - self.q_0[row]) / factor for end in (low[row], high[row])][:: 1 if factor > 0.0 else -1]
+            ends = [(end - self.q_0[row]) / factor + 0.0 for end in (low[row], high[row])][:: 1 if factor > 0.0 else -1]
             lower[column], upper[column] = max(lower[column], ends[0]), min(upper[column], ends[1])
+            by.setdefault(column, []).append(f"{self.joint_names[row]} to {ends[0]:g} .. {ends[1]:g}")
         for column, name in enumerate(self.posture_names):
-            if not (math.isfinite(lower[column]) and math.isfinite(upper[column]) and lower[column] < upper[column]):
+            if not usable(lower[column], upper[column]):
                 key, what = ("arm.limits", "joint") if column < self.arm_size else ("hand.synergies", "synergy")
-                self._refuse(f"{what} {name!r} has no usable limits", key, "Give them in the robot file")
+                joints = f": joints keep it, {'; '.join(by[column])}" if len(by.get(column, ())) > 1 else ""
+                problem = f"{what} {name!r} has no usable limits ({lower[column]:g} .. {upper[column]:g}){joints}"
+                remedy = "Mend the limits or <mimic> of the one that is not meant so" if joints else None
+                self._refuse(problem, key, remedy or "Give them in the robot file")
         return lower, upper
 
     def _supports(self) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -49,13 +50,15 @@ class RobotReport(Record):
         return any(finding.level == "wrong" for finding in self.findings)
 
 
-def check_robot(name: str | Path, progress: Report = no_report) -> RobotReport:
+def check_robot(name: str | Path, progress: Report = no_report, *, packages: Sequence[str | Path] = ()) -> RobotReport:
     """Look at a robot file: what is wrong or doubtful with it, and how closely it is followed.
 
     A file that can be read and gives no robot is a finding, too, not an error.
 
     Args:
         name: path, folder, or name of a shipped robot.
+        packages: folders in which `package://` is looked up besides those of the file, or `name=folder` for the folder
+            of one package; relative to the working directory.
         progress: called as the work goes on: `convex pieces` of the meshes, and `compiling`, once on a machine.
 
     Raises:
@@ -64,11 +67,11 @@ def check_robot(name: str | Path, progress: Report = no_report) -> RobotReport:
     unfinished: tuple[Finding, ...] = ()
     description: RobotDescription
     try:
-        description = load_robot_description(name)
+        description = load_robot_description(name, packages)
     except InputError as error:
         if error.key != "pads":
             raise
-        description, unfinished = load_unfinished_robot(name), (_of(error),)
+        description, unfinished = load_unfinished_robot(name, packages), (_of(error),)
     try:
         robot = Robot(description)
     except InputError as error:

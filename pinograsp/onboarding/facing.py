@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..descriptions.urdf_checks import WIDEST, usable
 from ..kinematics.tree import TreeJoint, UrdfTree
 from .facets import Facet
 
@@ -46,8 +47,10 @@ class Pairing(NamedTuple):
 
 def usual_limits(joint: TreeJoint) -> tuple[float, float] | None:
     """Return limits to begin with for a joint that has no usable ones, rad (m); None for one that has."""
-    if joint.kind == "continuous" or joint.limits[0] < joint.limits[1]:
+    if joint.kind == "continuous" or usable(*joint.limits):
         return None
+    if joint.kind == "revolute" and joint.limits[0] < -WIDEST and joint.limits[1] > WIDEST:
+        return (-2.0 * math.pi, 2.0 * math.pi)  # as of a joint that turns freely, which it is meant to be
     return USUAL_RANGE.get(joint.kind, USUAL_TURN)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import RobotUrdf
+from ..descriptions.urdf_checks import usable
 from ..kinematics.limits import hard_limits, limits_of
 from ..kinematics.robot import Robot
 from ..words import in_words, number_of
@@ -29,7 +30,7 @@ def unusable_limits(description: RobotDescription, urdf: RobotUrdf) -> Iterator[
             continue
         if name in arm or name in description.hand.joints:
             low, high = limits_of(joint)
-            if not low < high:
+            if not usable(low, high):
                 key = f"arm.limits.{name}" if name in arm else "limits of its synergy"
                 yield Finding("wrong", f"joint {name} has no usable limits ({low:g} .. {high:g})", f"Give {key}")
 

@@ -58,7 +58,7 @@ def new_robot_file(
         output: where the file is going to be: addresses are relative to it.
         hand: a hand of its own.
         tip: a link of the body that carries the hand, where there are several.
-        packages: folders in which `package://` is looked up.
+        packages: folders in which `package://` is looked up, or `name=folder` for the folder of one package.
         use_visual: whether links without collision geometry collide as they are shown.
         progress: called as the `flat faces of links` are searched for pads.
 
@@ -66,7 +66,7 @@ def new_robot_file(
         InputError: a file or mesh is missing, a name is unknown, or arm and hand cannot be told apart.
     """
     require_report(progress)
-    output, folders = Path(output), [Path(folder) for folder in packages]
+    output, folders = Path(output), list(packages)
     files = [find_urdf(str(urdf), folders, "urdf")]
     files += [] if hand is None else [find_urdf(str(hand.urdf), folders, "hand.urdf")]
     composition = Composition(
