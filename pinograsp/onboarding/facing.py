@@ -67,7 +67,7 @@ def facing(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[st
     """
     fingers = {facet.link: finger_of(tree, palm, facet.link) for facet in facets}
     motions = {link: _motion(tree, palm, link) for link in fingers}
-    many = len(set(fingers.values())) > 2
+    many = len(hand) > 2  # links of one finger may branch off the palm side by side
     facets = [facet for facet in facets if _may_touch(facet, motions[facet.link], many)]
     if not facets:
         return ()
