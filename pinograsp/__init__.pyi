@@ -76,6 +76,7 @@ from .kinematics.robot import load_robot as load_robot
 from .onboarding.check import RobotReport as RobotReport
 from .onboarding.check import check_robot as check_robot
 from .onboarding.draft import Draft as Draft
+from .onboarding.findings import Face as Face
 from .onboarding.findings import Finding as Finding
 from .onboarding.findings import LinkFigures as LinkFigures
 from .onboarding.new import HandMount as HandMount

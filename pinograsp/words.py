@@ -12,3 +12,8 @@ def in_words(names: list[str], most: int = 4) -> str:
 def number_of(count: int, what: str) -> str:
     """Return a number with its noun, `1 pad`, `2 pads`."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def escaped(name: str, characters: str) -> str:
+    """Return a name without some characters, each written as %XX, and % as %25: different names stay different."""
+    return "".join(f"%{ord(c):02X}" if c == "%" or c in characters else c for c in name)

@@ -387,7 +387,7 @@ def test_joint_names_clash(write: Write, tmp_path: Path) -> None:
         ("arm", '<child link="flange"/>', '<child link="flnge"/>', "end", "its child 'flnge' is no link"),
         ("arm", "</robot>", "", None, "not valid XML"),
         ("hand", '<mimic joint="open"', '<mimic joint="opn"', "follow", "mimics 'opn', which is no joint"),
-        ("hand", 'type="prismatic"', 'type="planar"', "open", "'planar' is not supported"),
+        ("hand", 'type="prismatic"', 'type="planar"', "open", "a planar joint is moved by nothing"),
     ],
     ids=str,
 )
@@ -425,6 +425,7 @@ def test_visual_meshes_may_be_missing(write: Write) -> None:
         ({1: {"rpy": [-0.1, 0.3, 2.1]}}, {}, ["composition"]),
         ({1: {"to": "carriage"}}, {}, ["composition"]),
         ({0: {"leave_out": []}}, {}, ["composition"]),
+        ({0: {"use_visual": True}}, {}, ["composition"]),
         ({1: {"srdf": "hand.srdf"}}, {}, ["files"]),
         ({}, {"stiffness": {"joint": 1.0, "contact": 2.0}}, None),
     ],

@@ -336,11 +336,12 @@ def test_octants_of_a_ball_contain_its_middle() -> None:
         octant, _ = clip(octant, *plane)
     points = np.random.default_rng(0).dirichlet([1, 1, 1], 100) * 0.5
     assert beyond(points, [octant.reshape(-1, 3)]) > 0.05
-    assert beyond(points, [covers._part(octant, planes, ball).hull.vertices]) <= 1e-9
+    whole = covers._Part(ball, (), covers.Hull(ball.reshape(-1, 3)))
+    assert beyond(points, [covers._part(octant, planes, whole).hull.vertices]) <= 1e-9
     # Outside the ball, a corner of a cell is no part of the solid.
     far = tuple(covers._Plane(-axis, -0.7) for axis in np.eye(3))
     assert len(covers._corners(far)) == 1
-    assert len(covers._part(octant, far, ball).hull.vertices) == len(ConvexHull(octant.reshape(-1, 3)).vertices)
+    assert len(covers._part(octant, far, whole).hull.vertices) == len(ConvexHull(octant.reshape(-1, 3)).vertices)
 
 
 def test_clipping_loses_and_adds_no_area() -> None:
@@ -457,7 +458,7 @@ def test_collision_block_that_makes_no_sense(make_toy: RobotFactory, collision: 
         ('<geometry><cylinder radius="0.1"/></geometry>', "length of a collision's <cylinder> has 0 numbers"),
         ('<geometry><sphere radius="wide"/></geometry>', "'wide' is not a number"),
         ('<geometry><sphere radius="-0.1"/></geometry>', "not positive"),
-        ('<origin xyz="1 2"/><geometry><sphere radius="0.1"/></geometry>', "xyz of a collision's <origin>"),
+        ('<origin xyz="1 2"/><geometry><sphere radius="0.1"/></geometry>', "xyz of <origin> has 2 numbers, not 3"),
     ],
 )
 def test_collision_element_that_others_pass_over_is_refused(

@@ -494,7 +494,7 @@ def test_urdf_or_srdf_that_does_not_exist(key: str, address: str, tmp_path: Path
             "Did you mean right",
         ),
         (
-            {"pads": [TOY_ROBOT["pads"][0], TOY_ROBOT["pads"][1] | {"link": "arm"}]},
+            {"pads": [TOY_ROBOT["pads"][0], TOY_ROBOT["pads"][1] | {"link": "base"}]},
             "pads[1].link",
             "not moved by the hand",
         ),
@@ -516,7 +516,7 @@ def test_name_that_is_not_in_the_urdf(changes: dict[str, Any], key: str, words: 
             '"shoulder" type="floating"',
             "toy.urdf",
             "shoulder",
-            "'floating' is not supported",
+            "a floating joint is moved by nothing",
         ),
         ('lower="-1.5" upper="1.5" ', "", "robot.yaml", "arm.limits", "'shoulder' has no usable limits"),
         ('lower="-1.5" upper="1.5"', 'lower="1.5" upper="-1.5"', "robot.yaml", "arm.limits", "no usable limits"),

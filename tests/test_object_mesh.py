@@ -301,8 +301,8 @@ def test_body_of_a_boolean(tmp_path: Path) -> None:
 # ---- what is refused
 
 HOSTILE: dict[str, tuple[bytes, str]] = {
-    "empty.stl": (b"", "has no triangles"),
-    "empty.obj": (b"", "has no triangles"),
+    "empty.stl": (b"", "is an empty file"),
+    "empty.obj": (b"", "is an empty file"),
     "text.stl": (b"hello world\n" * 30, "has no triangles"),
     "text.ply": (b"hello world\n" * 30, "cannot be read as PLY"),
     "text.glb": (b"hello world\n" * 30, "cannot be read as GLB"),

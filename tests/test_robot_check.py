@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import sys
@@ -14,7 +15,7 @@ import pinocchio as pin
 import pytest
 import trimesh
 import yaml
-from conftest import TOY_ROBOT, TOY_URDF, Array
+from conftest import TOY_ROBOT, TOY_URDF, Array, Run
 
 from pinograsp import Progress, Robot, cli
 from pinograsp.descriptions import urdf
@@ -63,7 +64,7 @@ def test_a_report_is_a_record(check: Check) -> None:
     assert report == check()
     assert report != check({'"-1.5" upper="1.5"': '"0" upper="0"'})
     data = json.loads(json.dumps(report.to_json(), allow_nan=False))
-    assert data.keys() == {"name", "findings", "links", "wrong"}
+    assert data.keys() == {"name", "findings", "links", "faces", "wrong"}
     assert (data["name"], data["wrong"]) == (report.name, False)
     assert [finding["what"] for finding in data["findings"]] == [finding.what for finding in report.findings]
     assert [link["excess"] for link in data["links"]] == [link.excess for link in report.links]
@@ -86,6 +87,28 @@ def test_nothing_is_wrong_with_the_toy(check: Check) -> None:
         (name, 12, True, 1) for name in ("base", "arm", "left", "right")
     ]
     assert all(link.excess == 0.0 for link in report.links)
+
+
+def test_what_is_wrong_comes_first_and_advice_once(run: Run, tmp_path: Path) -> None:
+    """Then what is doubtful, then one line for all that is ok; the page has all of it in the same order."""
+    more = ANOTHER_JOINT.replace("</robot>", "") + ANOTHER_JOINT.replace("lid", "flap").replace("hinge", "hinge_2")
+    write_toy(tmp_path, {"</robot>": more}, pads=pads({"normal": [1.0, 0.0, 0.0]}))
+    code, output, _ = run("robot", "check", ".")
+    assert code == 1
+    lines = output[: output.index("collision geometry;")].splitlines()
+    levels = [line.split(" ", 1)[0] for line in lines if line and not line.startswith(" ")]
+    wrong, doubts = levels.count("wrong"), levels.count("doubtful")
+    assert levels == ["toy:", *["wrong"] * wrong, *["doubtful"] * doubts, "ok"]
+    assert wrong >= 1
+    said = " ".join(output.split())
+    assert said.count("is neither arm nor hand joint: it stays at 0") == 2
+    assert said.count("Add it to arm.joints or hand.synergies") == 1
+    fine = len(said_ok := [f for f in check_robot(tmp_path).findings if f.level == "ok"])
+    assert lines[-2].split() == f"ok {fine} things looked at, listed on the page and with --json".split()
+    text = (tmp_path / "out" / "toy_check.html").read_text()
+    assert text.count("Add it to arm.joints or hand.synergies") == 1
+    assert all(html.escape(finding.what) in text for finding in said_ok)
+    assert text.index("is neither arm nor hand joint") < text.index(f"ok: {fine} things looked at")
 
 
 ANOTHER_JOINT = """<link name="lid"/><joint name="hinge" type="revolute"><parent link="base"/><child link="lid"/>

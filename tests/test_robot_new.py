@@ -244,7 +244,9 @@ def test_a_workspace_with_packages(tmp_path: Path) -> None:
 
 def test_packages_that_are_given(tmp_path: Path) -> None:
     written(tmp_path / "elsewhere" / "my_arm" / "arm.urdf")
-    with pytest.raises(InputError, match=r"^urdf: package://my_arm/arm\.urdf was not found\. Looked in "):
+    with pytest.raises(
+        InputError, match=r"^urdf: package://my_arm/arm\.urdf was not found\. Looked for package my_arm in "
+    ):
         new_robot_file("package://my_arm/arm.urdf", tmp_path / "robot.yaml")
     draft = new_robot_file(
         "package://my_arm/arm.urdf", tmp_path / "r" / "robot.yaml", packages=[tmp_path / "elsewhere"]
@@ -347,7 +349,10 @@ def test_a_torso_with_arms_is_no_hand(tmp_path: Path) -> None:
         ([UR5], "ur5_robot.urdf: --hand: no fingers were found: "),
         ([UR5, "--hand", GEN3], "--to: the arm ends in ee_link, tool0. Name one of them"),
         (["toy.urdf", "--tip", "palm"], "error: --tip: there is no link 'palm'"),
-        (["package://nowhere/arm.urdf"], "error: URDF: package://nowhere/arm.urdf was not found. Looked in "),
+        (
+            ["package://nowhere/arm.urdf"],
+            "error: URDF: package://nowhere/arm.urdf was not found. Looked for package nowhere",
+        ),
     ],
     ids=lambda value: " ".join(value[1:]) if isinstance(value, list) else "",
 )

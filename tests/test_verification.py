@@ -230,7 +230,7 @@ def with_urdf(robot: RobotDescription, file: Path, old: str, new: str) -> RobotD
 def test_missing_mesh_names_urdf_link_and_folders(robot: RobotDescription, tmp_path: Path) -> None:
     broken = with_urdf(robot, tmp_path / "arm.urdf", "visual/forearm_link.dae", "visual/arm.dae")
     with pytest.raises(
-        InputError, match=r"arm\.urdf: link forearm_link: .*/visual/arm\.dae was not found.*Looked in /"
+        InputError, match=r"arm\.urdf: link forearm_link: .*/visual/arm\.dae was not found.*taken to be /"
     ):
         Verifier(broken, load_scene("glovebox"), "sphere")
 

@@ -9,6 +9,10 @@ from typing import Any
 from ..disk import json_text, reason_of, require_writable, write_whole
 from ..errors import FileError
 from ..interrupts import held
+from ..words import escaped
+
+_SEPARATORS = "/\\\0"
+"""What names of files cannot have."""
 
 
 def make_folder(folder: Path) -> None:
@@ -21,8 +25,8 @@ def make_folder(folder: Path) -> None:
 
 
 def file_name(*parts: str | int, suffix: str) -> str:
-    """Return the name of a file, `<part>_<part>.<suffix>`."""
-    return "_".join(map(str, parts)) + f".{suffix}"
+    """Return the name of a file, `<part>_<part>.<suffix>`: no part of it leads to another folder."""
+    return "_".join(escaped(str(part), _SEPARATORS) for part in parts) + f".{suffix}"
 
 
 def saved(lines: Iterable[str]) -> list[str]:

@@ -26,8 +26,18 @@ NEW_OPTIONS = {
     "hand.to": "--to",
     "hand.root": "--hand-root",
     "hand.prefix": "--prefix",
+    "use_visual": "--use-visual",
+    "output": "--out",
 }
 """Of `robot new`, by the arguments of `new_robot_file`."""
+
+Packages = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="[NAME=]FOLDER",
+        help="Folder in which package:// is looked up, or NAME=FOLDER for that of one package; repeatable.",
+    ),
+]
 
 
 def register(app: typer.Typer) -> None:
@@ -52,6 +62,7 @@ def robot(context: typer.Context) -> None:
 def check(
     robot: arguments.RobotFile,
     out: arguments.Out = Path("out"),
+    packages: Packages = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -65,7 +76,7 @@ def check(
     terminal = Terminal(as_json, quiet)
     make_folder(out)
     with terminal.progress() as progress:
-        report = pinograsp.check_robot(robot, progress)
+        report = pinograsp.check_robot(robot, progress, packages=packages or ())
         page = out / file_name(report.name, "check", suffix="html")
         written = saved(_files(report, page))
     terminal.find(report.to_json, lambda: _report(report, terminal))
@@ -102,9 +113,10 @@ def new(
     prefix: Annotated[str, typer.Option(help="Put before the names of the hand's links and joints.")] = "",
     hand_root: Annotated[str | None, typer.Option(help="Link of the hand's URDF with which the hand begins.")] = None,
     tip: Annotated[str | None, typer.Option(help="Link that carries the fingers, where arms branch.")] = None,
-    packages: Annotated[
-        list[Path] | None, typer.Option(metavar="FOLDER", help="Folder in which package:// is looked up; repeatable.")
-    ] = None,
+    packages: Packages = None,
+    use_visual: Annotated[
+        bool, typer.Option("--use-visual", help="Links without collision geometry collide as they are shown.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace a robot file that is there.")] = False,
     as_json: arguments.Json = False,
     quiet: arguments.Quiet = False,
@@ -117,7 +129,8 @@ def new(
     Exit codes: 0 the file is whole but for these marks, 1 its pads have to be written by hand.
     """
     terminal = Terminal(as_json, quiet)
-    file = (Path("robots") / Path(urdf).stem if out is None else out) / "robot.yaml"
+    name = Path(urdf).stem.lstrip(".") or "robot"  # ".." would lead out of the folder
+    file = (Path("robots") / name if out is None else out) / "robot.yaml"
     mount = None
     if hand is not None:
         mount = pinograsp.HandMount(hand, to=to, root=hand_root, position=xyz, rpy=rpy, prefix=prefix)
@@ -127,7 +140,9 @@ def new(
     if is_file(file) and not force:
         raise pinograsp.InputError("exists already", file=file, key="--out", remedy="Use --force to replace it")
     with as_options(NEW_OPTIONS), terminal.progress() as progress:
-        draft = pinograsp.new_robot_file(urdf, file, hand=mount, tip=tip, packages=packages or (), progress=progress)
+        draft = pinograsp.new_robot_file(
+            urdf, file, hand=mount, tip=tip, packages=packages or (), use_visual=use_visual, progress=progress
+        )
     written = save(file, lambda: write_whole(file, draft.text))
     terminal.find(lambda: {"file": str(file), **draft.to_json()}, lambda: _new_report(file, draft, terminal))
     terminal.say(written)
@@ -149,7 +164,7 @@ def _report(report: pinograsp.RobotReport, terminal: Terminal) -> None:
 def _files(report: pinograsp.RobotReport, page: Path) -> Iterator[str]:
     """Write the page of a robot that can be drawn, and yield what to say of it."""
     if (robot := report.robot) is not None:
-        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings))
+        yield save(page, lambda: pinograsp.visualization.write_robot_html(robot, page, report.findings, report.faces))
 
 
 def _new_report(file: Path, draft: pinograsp.Draft, terminal: Terminal) -> None:

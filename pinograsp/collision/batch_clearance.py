@@ -23,6 +23,7 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Indices, Mask
+from ..geometry.convex_solid import convex_solid
 from ..kinematics.batch import WORLD, BatchKinematics, GroupFrames
 from ..kinematics.robot import Robot
 from .ball_tree import BallTree
@@ -258,9 +259,7 @@ def _vertices(hull: _Hull) -> Array:
 
 
 def _hull_vertices(parts: list[Array]) -> Array:
-    points = coal.StdVec_Vec3s()
-    points.extend(list(np.concatenate(parts)))
-    hull = coal.Convex.convexHull(points, True, "Qt")
+    hull = convex_solid(np.concatenate(parts))
     return np.array(hull.points())  # a view until it is copied, of no use once the hull is gone
 
 

@@ -19,6 +19,7 @@ from ..descriptions.scene import Body as BodyDescription
 from ..descriptions.scene import Enclosure
 from ..geometry.convex_solid import IDENTITY, convex_solid
 from ..geometry.cover_cache import mesh_cover
+from ..geometry.mesh_file import meshes_of
 from ..geometry.shapes import surface_of
 from ..kinematics.collision_elements import CollisionElement, collision_elements
 from ..kinematics.robot import Robot
@@ -79,7 +80,8 @@ def _shapes(element: CollisionElement, robot: Robot) -> list[Any]:
     if element.mesh is None:
         return [_PRIMITIVES[element.kind](*element.size)]
     pieces, tolerance = robot.description.collision.of(element.link)
-    return [convex_solid(vertices) for vertices in mesh_cover(element.mesh, element.size, pieces, tolerance)]
+    with meshes_of(element.link):
+        return [convex_solid(vertices) for vertices in mesh_cover(element.mesh, element.size, pieces, tolerance)]
 
 
 _PRIMITIVES = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder}

@@ -143,5 +143,7 @@ def _open_hand(robot: Robot) -> dict[str, float]:
 def _composition(description: RobotDescription) -> list[dict[str, Any]]:
     """Return how the URDF is put together, without the addresses of the files."""
     parts: list[UrdfPart] = [description, *description.attach]
-    fields = {"root", "leave_out", "to", "prefix", "position", "rpy"}
-    return [part.model_dump(mode="json", include=fields) for part in parts]
+    fields, later = {"root", "leave_out", "to", "prefix", "position", "rpy"}, {"hold", "use_visual"}
+    # Keys that robot files did not have once count where they are given: databases of then stay good.
+    given = [part.model_dump(mode="json", include=later, exclude_defaults=True) for part in parts]
+    return [part.model_dump(mode="json", include=fields) | more for part, more in zip(parts, given, strict=True)]

@@ -5,7 +5,7 @@
 Coal.
 """
 
-from .load import load_robot_description, load_scene
+from .load import load_robot_description, load_scene, load_unfinished_robot
 from .locate import shipped_robots, shipped_scenes
 from .pads import robot_for
 from .robot import RobotDescription
@@ -19,6 +19,7 @@ __all__ = [
     "Task",
     "load_robot_description",
     "load_scene",
+    "load_unfinished_robot",
     "robot_for",
     "schema",
     "shipped_robots",

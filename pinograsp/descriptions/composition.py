@@ -6,11 +6,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+from pydantic import Field, StrictBool
+
 from ..errors import FileError
 from . import locate
 from .model import FileRoot, Frozen
 from .pose import Pose
-from .values import Format1, Name
+from .values import Format1, Name, Number, Table, empty
 
 
 class UrdfPart(Frozen):
@@ -24,6 +26,10 @@ class UrdfPart(Frozen):
     """Link with which it begins; the URDF's own root if not given."""
     leave_out: tuple[Name, ...] = ()
     """Links that are left out, with all that they carry."""
+    hold: Table[Name, Number] = Field(default_factory=empty)
+    """Joints fixed for good, with those that follow them, rad (m). One that floats or moves in a plane: at 0."""
+    use_visual: StrictBool = False
+    """Whether links without collision geometry collide as they are shown."""
 
 
 class Attachment(UrdfPart, Pose):
@@ -52,12 +58,12 @@ class Composition(FileRoot, UrdfPart):
     attach: tuple[Attachment, ...] = ()
     """Further URDFs, each fixed to a link of what is there so far."""
     packages: tuple[Path, ...] = ()
-    """Folders, besides those of the installed wheels, in which `package://` is looked up."""
+    """Folders, besides those of the installed wheels, in which `package://` is looked up, or `name=folder` of one."""
 
     @cached_property
     def folders(self) -> list[Path]:
-        """Folders in which `package://` is looked up."""
-        return locate.package_folders(self.source, self.packages)
+        """Folders in which packages are looked up, those of single packages first."""
+        return locate.package_folders(self.source, self.packages).all
 
     @cached_property
     def urdf_file(self) -> Path:
@@ -89,12 +95,13 @@ class Composition(FileRoot, UrdfPart):
         return {key: file for key, file in named.items() if file is not None}
 
     def _resolve(self, key: str, address: str) -> Path:
-        found = locate.resolve(address, beside=self.source, folders=self.folders)
+        folders = locate.package_folders(self.source, self.packages)
+        found = locate.resolve(address, beside=self.source, folders=folders)
         if found is None:
             raise FileError(
                 f"{address} was not found",
                 file=self.source,
                 key=key,
-                remedy="Looked in " + ", ".join(str(folder) for folder in self.folders),
+                remedy=locate.not_found(address, beside=self.source, folders=folders),
             )
         return found

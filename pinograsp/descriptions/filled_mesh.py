@@ -15,6 +15,7 @@ import trimesh
 
 from ..errors import FileError
 from .mesh_files import metres_in_unit
+from .obj_indices import counted_from_first
 
 if TYPE_CHECKING:
     from .shapes import Mesh
@@ -38,12 +39,12 @@ def filled(mesh: Mesh) -> Filled:
     Raises:
         FileError: the file cannot be read, is not that which was described, or encloses nothing.
     """
-    content = mesh.content()
+    content, kind = mesh.content(), mesh.file.suffix[1:].lower()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of parsers, about what the geometry judges
             scene: Any = trimesh.load_scene(
-                io.BytesIO(content), file_type=mesh.file.suffix[1:].lower(), process=False, skip_materials=True
+                io.BytesIO(counted_from_first(content, kind)), file_type=kind, process=False, skip_materials=True
             )
             whole = scene.to_geometry()
             corners = np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)] * mesh.scales

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from . import locate
 from .model import Root
-from .robot import RobotDescription
+from .packages import absolute_entry
+from .robot import RobotDescription, UnfinishedRobot
 from .scene import Scene
+
+Described = TypeVar("Described", bound=RobotDescription)
 
 
 def load_scene(name: str | Path) -> Scene:
@@ -20,14 +25,39 @@ def load_scene(name: str | Path) -> Scene:
     return _read(locate.scene_file(name), Scene)
 
 
-def load_robot_description(name: str | Path) -> RobotDescription:
+def load_robot_description(name: str | Path, packages: Sequence[str | Path] = ()) -> RobotDescription:
     """Read a robot file, given by path, by folder or by the name of a shipped robot.
+
+    Args:
+        name: of the file.
+        packages: folders, or `name=folder`, that go before those of the file; relative to the working directory.
 
     Raises:
         FileError: the file, its URDF or its SRDF is missing, cannot be read or is not YAML.
         InputError: a key or value is wrong; the message names file, line and key.
     """
-    description = _read(locate.robot_file(name), RobotDescription)
+    return _with_packages(_read(locate.robot_file(name), RobotDescription), packages)
+
+
+def load_unfinished_robot(name: str | Path, packages: Sequence[str | Path] = ()) -> UnfinishedRobot:
+    """Read a robot file that may still be without pads, otherwise as `load_robot_description` does.
+
+    Args:
+        name: as there.
+        packages: as there.
+
+    Raises:
+        FileError: as there.
+        InputError: as there.
+    """
+    return _with_packages(_read(locate.robot_file(name), UnfinishedRobot), packages)
+
+
+def _with_packages(description: Described, packages: Sequence[str | Path]) -> Described:
+    """Return a robot file with folders before its own, its files there."""
+    if packages:
+        first = tuple(map(absolute_entry, packages))
+        description = description.model_copy(update={"packages": (*first, *description.packages)})
     _ = description.files
     return description
 

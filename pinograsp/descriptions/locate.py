@@ -1,7 +1,7 @@
 """Where files are: robots and scenes by path or by name, URDFs and meshes through `package://`.
 
 A mesh or a URDF is looked for only in the folder of the file that names it, in the folders that the robot
-file lists under `packages`, and in the `share` folder of the installed model wheels.
+file lists under `packages` (see `packages`), and in the `share` folder of the installed model wheels.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ..disk import is_file, is_folder
 from ..errors import FileError, InputError, close_names
+from .packages import PackageFolders, candidates, remedy_for
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -84,31 +85,31 @@ def wheel_share() -> Path:
     return next((share for share in shares if share.is_dir()), shares[-1])
 
 
-def package_folders(file: Path, packages: tuple[Path, ...]) -> list[Path]:
-    """Return the folders in which `package://` is looked up, in order.
+def package_folders(file: Path, packages: tuple[Path, ...]) -> PackageFolders:
+    """Return the folders in which packages are looked up, in order.
 
     `example-robot-data` keeps its packages' content below `example-robot-data/robots`; its `package://`
     addresses start at the `share` folder like everyone else's.
     """
     beside = file.resolve().parent
-    listed = [folder if folder.is_absolute() else beside / folder for folder in packages]
-    return [*listed, beside, wheel_share()]
+    return PackageFolders(packages, beside, [beside, wheel_share()])
 
 
-def resolve(address: str, *, beside: Path, folders: list[Path]) -> Path | None:
-    """Return the file behind a `package://`, `file://` or relative address, or None.
+def resolve(address: str, *, beside: Path, folders: PackageFolders) -> Path | None:
+    """Return the file behind an address, or None.
 
     `beside` is the file that holds the address. A result outside `folders` and the folder of `beside`
     is refused (None).
     """
     home = beside.resolve().parent
-    if address.startswith("package://"):
-        candidates = [folder / address.removeprefix("package://") for folder in folders]
-    else:
-        candidates = [home / address.removeprefix("file://")]
-    allowed = [home, *(folder.resolve() for folder in folders)]
-    for candidate in candidates:
+    allowed = [home, *(folder.resolve() for folder in folders.all)]
+    for candidate in candidates(address, home, folders):
         real = candidate.resolve()
         if is_file(real) and any(real.is_relative_to(folder) for folder in allowed):
             return real
     return None
+
+
+def not_found(address: str, *, beside: Path, folders: PackageFolders) -> str:
+    """Return what is to be done about an address that `resolve` does not find."""
+    return remedy_for(address, beside.resolve().parent, folders)

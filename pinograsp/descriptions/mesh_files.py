@@ -24,6 +24,7 @@ from ..disk import content_of, digest, is_folder
 from ..errors import FileError
 from .locate import package_folders, resolve
 from .model import Frozen
+from .packages import readings
 from .values import NotNegative, Positive, listed, wrong
 
 FILE_TYPES = ("stl", "obj", "ply", "glb", "dae", "off")
@@ -36,8 +37,25 @@ CONTENT = {"mesh files": "content"}
 Unit = Literal["m", "mm", "cm", "in"]
 METRES: dict[Unit, float] = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 """Metres in each unit."""
+_POINTER = b"version https://git-lfs."
 LARGEST = 3.0
 """A body that is larger, were its coordinates metres, has them in millimetres, m."""
+
+
+def mesh_bytes(file: Path) -> bytes:
+    """Return the content of a mesh file.
+
+    Raises:
+        FileError: it cannot be read, is empty, or a pointer of Git LFS stands in its place.
+    """
+    content = content_of(file)
+    if content.startswith(_POINTER):
+        raise FileError(
+            "is a pointer of Git LFS, not the mesh", file=file, remedy="Run `git lfs pull` where it is from"
+        )
+    if not content.strip():
+        raise FileError("is an empty file", file=file, remedy="Copy or export the mesh again")
+    return content
 
 
 def metres_in_unit(unit: Unit | None, stated: float, extent: float) -> float:
@@ -62,12 +80,13 @@ def _absolute(address: object, info: ValidationInfo) -> str:
         known = ", ".join(f".{name}" for name in FILE_TYPES)
         raise wrong(f"{text!r} is no mesh file that can be read", remedy=f"The suffix must be one of {known}")
     scene: Path = (info.context or {}).get(SCENE_FILE, Path("scene.yaml"))
-    if not text.startswith("package://"):
-        return os.path.normpath(scene.resolve().parent / text.removeprefix("file://"))
+    if all(reading.package is None for reading in readings(text)):
+        return os.path.normpath(scene.resolve().parent / readings(text)[0].path)
     folders = package_folders(scene, ())
     found = resolve(text, beside=scene, folders=folders)
     if found is None:
-        raise wrong(f"{text} was not found", remedy="Looked in " + ", ".join(map(str, folders)))
+        looked = ", ".join(map(str, folders.all))
+        raise wrong(f"{text} was not found", remedy=f"Looked in {looked}")
     return str(found)
 
 
@@ -130,7 +149,7 @@ class MeshFile(Frozen):
             FileError: it cannot be read, or is not that which was described.
         """
         assert self.file is not None
-        found = content_of(self.file)
+        found = mesh_bytes(self.file)
         if digest(found) != self.sha256:
             remedy = "Load the scene again; a result stands for the file that it was planned with"
             raise FileError("is not the file that the scene was made with", file=self.file, remedy=remedy)

@@ -94,7 +94,7 @@ class RobotDescription(Composition):
     @classmethod
     def _two_pads(cls, value: Any) -> Any:
         if value is None or (isinstance(value, list) and len(value) < 2):
-            remedy = "Describe the finger surfaces that are to touch objects; `pinograsp robot new` finds flat ones"
+            remedy = "Describe the finger surfaces that are to touch objects; `pinograsp robot check` shows flat ones"
             raise wrong(f"a hand holds with two pads or more, not with {len(value or ())}", remedy=remedy)
         return value
 
@@ -103,6 +103,18 @@ class RobotDescription(Composition):
     def _pads_once(cls, value: tuple[PadDescription, ...]) -> tuple[PadDescription, ...]:
         _once([pad.name for pad in value], "name")
         return value
+
+
+class UnfinishedRobot(RobotDescription):
+    """A robot file of which the pads are still to be written: it can be looked at, and nothing else."""
+
+    pads: tuple[PadDescription, ...] = ()
+    """Those that are there."""
+
+    @field_validator("pads", mode="before")
+    @classmethod
+    def _two_pads(cls, value: Any) -> Any:
+        return () if value is None else value
 
 
 def _once(names: Sequence[str], *path: str) -> None:

@@ -1,6 +1,6 @@
 """The URDF of a robot file: read, cut, and put together from several files.
 
-    <urdf>       less what `leave_out` names, only what `root` carries
+    <urdf>       less what `leave_out` names, only what `root` carries, joints fixed that `hold` names
     attach[0]    another URDF, treated alike, its names with a prefix, fixed to a link of what is there so far
     ...
 
@@ -12,17 +12,23 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from xml.parsers import expat
 
 from ..disk import content_of
 from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
-from .locate import resolve
-from .urdf_checks import check_tree, number
+from .held_joints import hold
+from .locate import not_found, package_folders, resolve
+from .urdf_checks import check_joints, check_tree, has_numbers, number
+from .urdf_repairs import repair, show_as_collision
 
 Pairs = dict[frozenset[str], frozenset[str]]
 
+_NOT_ASKED_FOR = ("dynamics", "calibration")
+"""Elements of links and joints that nothing here asks for: what is wrong with them must not stop anything."""
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
@@ -34,6 +40,10 @@ class Mimic:
     multiplier: float
     offset: float
 
+    def of(self, value: float) -> float:
+        """Return the joint's angle, rad (m), for that of its leader."""
+        return self.multiplier * value + self.offset
+
 
 @dataclass(frozen=True)
 class RobotUrdf:
@@ -44,6 +54,8 @@ class RobotUrdf:
     """Pairs of links that an SRDF takes out of self-collision checks, with the reasons given, in lower case."""
     complete: bool
     """Whether every file of the composition has an SRDF."""
+    remarks: tuple[str, ...] = ()
+    """What of the URDFs does not matter and was passed over, in words."""
 
     @property
     def xml(self) -> str:
@@ -68,9 +80,9 @@ def read_urdf(robot: Composition) -> RobotUrdf:
         InputError: a file cannot be parsed, is no tree, a mesh for collisions is not found, a name is unknown
             or given twice.
     """
-    tree, cut = _part(robot, robot.urdf_file, robot, "")
+    tree, cut, remarks = _part(robot, robot.urdf_file, robot, "")
     disabled = _disabled_pairs(robot.srdf_file, _renamed(tree, cut, ""))
-    urdf = RobotUrdf(tree, disabled, robot.srdf_file is not None)
+    urdf = RobotUrdf(tree, disabled, robot.srdf_file is not None, tuple(remarks))
     for index in range(len(robot.attach)):
         urdf = attached(urdf, robot, index)
     return urdf
@@ -83,14 +95,14 @@ def attached(urdf: RobotUrdf, robot: Composition, index: int) -> RobotUrdf:
         InputError: as for `read_urdf`.
     """
     key, attachment, files = attachment_joint(index), robot.attach[index], robot.attached_files[index]
-    part, cut = _part(attachment, files.urdf, robot, f"{key}.")
+    part, cut, remarks = _part(attachment, files.urdf, robot, f"{key}.")
     renamed = _renamed(part, cut, attachment.prefix)
     _prefix(part, attachment.prefix, key)
     tree, disabled = copy.deepcopy(urdf.tree), dict(urdf.disabled)
     _attach(tree, part, attachment, robot, key)
     for pair, reasons in _disabled_pairs(files.srdf, renamed).items():
         disabled[pair] = disabled.get(pair, frozenset()) | reasons
-    return RobotUrdf(tree, disabled, urdf.complete and files.srdf is not None)
+    return RobotUrdf(tree, disabled, urdf.complete and files.srdf is not None, (*urdf.remarks, *remarks))
 
 
 def attachment_joint(index: int) -> str:
@@ -127,25 +139,66 @@ def _resolved(name: str, steps: dict[str, Mimic], movable: list[str], file: Path
     raise InputError("mimics itself", file=file, key=name)
 
 
-def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.Element, set[str]]:
-    """Return what a robot file takes of one URDF, and the names of the links that it leaves."""
+def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.Element, set[str], list[str]]:
+    """Return what a robot file takes of one URDF, the names of the links that it leaves, and what was passed over."""
     tree = parse(file, "robot")
     links = check_tree(tree, file)
+    remarks = repair(tree, file)
     for element in list(tree):
         if element.tag not in {"link", "joint", "material"}:
             tree.remove(element)
+    _strip(tree)
     wanted = [(name, f"{key}leave_out[{index}]") for index, name in enumerate(part.leave_out)]
     for name, its_key in wanted if part.root is None else [*wanted, (part.root, f"{key}root")]:
         _require(name, tree, file, robot, its_key)
     for name in part.leave_out:
-        _keep(tree, _carried(tree, name), keep=False)
+        _keep(tree, carried(tree, name), keep=False)
     if part.root is not None:
-        _keep(tree, _carried(tree, part.root), keep=True)
+        _keep(tree, carried(tree, part.root), keep=True)
     if not _names(tree, "link"):
         raise InputError("nothing is left of the URDF", file=robot.source, key=f"{key}leave_out")
-    mimics_of(tree, file)  # a joint that is left may mimic one that is not
+    followers = mimics_of(tree, file)  # a joint that is left may mimic one that is not
+    hold(tree, _held(part.hold, followers, tree, file, robot, f"{key}hold"), file)
+    check_joints(tree, file)
+    if part.use_visual:
+        show_as_collision(tree)
     _find_meshes(tree, file, robot)
-    return tree, set(links) - set(_names(tree, "link"))
+    return tree, set(links) - set(_names(tree, "link")), remarks
+
+
+def _held(
+    values: Mapping[str, float],
+    followers: Mapping[str, Mimic],
+    tree: ET.Element,
+    file: Path,
+    robot: Composition,
+    key: str,
+) -> dict[str, float]:
+    """Return the joints that are held and those that follow them, rad (m)."""
+    known = [joint.get("name", "") for joint in tree.findall("joint") if joint.get("type") != "fixed"]
+    for name in values:
+        if name not in known:
+            problem, remedy = f"joint {name!r} is not in {file.name}", close_names(name, known)
+            raise UnknownNameError(problem, file=robot.source, key=f"{key}.{name}", remedy=remedy)
+        if name in followers:
+            leader = followers[name].leader
+            problem, remedy = f"joint {name!r} mimics {leader!r}", f"Hold {leader!r} instead"
+            raise InputError(problem, file=robot.source, key=f"{key}.{name}", remedy=remedy)
+    follow = {name: mimic for name, mimic in followers.items() if mimic.leader in values}
+    return {**values, **{name: mimic.of(values[mimic.leader]) for name, mimic in follow.items()}}
+
+
+def _strip(tree: ET.Element) -> None:
+    """Take out what nothing here asks for; of limits, Pinocchio wants to have effort and velocity."""
+    for part in (*tree.findall("link"), *tree.findall("joint")):
+        for element in [element for element in part if element.tag in _NOT_ASKED_FOR]:
+            part.remove(element)
+        for inertial in part.findall("inertial"):
+            if not has_numbers(inertial):  # the link counts as one that has none
+                part.remove(inertial)
+    for limit in tree.iterfind("joint/limit"):
+        limit.set("effort", "0")
+        limit.set("velocity", "0")
 
 
 def parse(file: Path, tag: str) -> ET.Element:
@@ -155,16 +208,35 @@ def parse(file: Path, tag: str) -> ET.Element:
         FileError: it cannot be read, is no XML, or has another root element.
     """
     try:
-        root = ET.fromstring(content_of(file))
-    except (ET.ParseError, ValueError) as error:  # the latter where it names an encoding that there is not
+        root = _read(content_of(file))
+    except (ET.ParseError, expat.ExpatError, ValueError, LookupError) as error:  # the last two of unknown encodings
         raise FileError(f"is not valid XML: {error}", file=file) from None
     if root.tag != tag:
         raise FileError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
     return root
 
 
+def _read(content: bytes) -> ET.Element:
+    """Return the root element; where a prefix stands for nothing, names with a prefix keep it, with their colon."""
+    try:
+        return ET.fromstring(content)
+    except ET.ParseError as error:
+        if error.code != expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
+            raise
+    builder, parser = ET.TreeBuilder(), expat.ParserCreate()
+    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
+    parser.CharacterDataHandler = builder.data
+    parser.Parse(content, True)
+    return builder.close()
+
+
 def _names(tree: ET.Element, tag: str) -> list[str]:
     return [element.get("name", "") for element in tree.findall(tag)]
+
+
+def ends(joint: ET.Element) -> tuple[str, str]:
+    """Return the links that a joint joins: parent and child."""
+    return _end(joint, "parent"), _end(joint, "child")
 
 
 def _end(joint: ET.Element, end: str) -> str:
@@ -177,7 +249,7 @@ def _root_of(tree: ET.Element) -> str:
     return next(name for name in _names(tree, "link") if name not in children)
 
 
-def _carried(tree: ET.Element, link: str) -> set[str]:
+def carried(tree: ET.Element, link: str) -> set[str]:
     """Return a link and all that it carries."""
     found, frontier = {link}, {link}
     while frontier:
@@ -193,7 +265,7 @@ def _keep(tree: ET.Element, links: set[str], *, keep: bool) -> None:
             tree.remove(link)
     left = set(_names(tree, "link"))
     for joint in tree.findall("joint"):
-        if not {_end(joint, "parent"), _end(joint, "child")} <= left:
+        if not set(ends(joint)) <= left:
             tree.remove(joint)
 
 
@@ -234,20 +306,20 @@ def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: s
 
 def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
     """Make the addresses of meshes absolute paths; one that is only for show may be missing."""
+    folders = package_folders(robot.source, robot.packages)
     for link in tree.findall("link"):
         for kind in ("visual", "collision"):
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 address = mesh.get("filename", "")
-                found = resolve(address, beside=file, folders=robot.folders)
+                found = resolve(address, beside=file, folders=folders)
                 if found is not None:
                     mesh.set("filename", str(found))
                 elif kind == "collision":
-                    looked = ", ".join(str(folder) for folder in [file.parent, *robot.folders])
                     raise FileError(
                         f"mesh {address} was not found",
                         file=file,
                         key=f"link {link.get('name')}",
-                        remedy=f"Looked in {looked}; name further folders under `packages` in the robot file",
+                        remedy=not_found(address, beside=file, folders=folders),
                     )
 
 

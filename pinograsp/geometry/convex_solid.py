@@ -8,11 +8,10 @@ import coal
 import numpy as np
 
 from ..arrays import Array
-from .covers import fan
-from .hulls import Hull
+from .few_corners import corners_around
 
-NEIGHBOURS = 250
-"""Corners that a hull may have for certain: Coal wants fewer than 256 neighbours of each."""
+FINENESS = (512, 256, 128, 64, 32)
+"""Directions of polyhedra in place of a hull that Coal does not take; one of the last has too few corners for that."""
 THINNEST = 1e-6
 """Of its length: thinner points have no hull that Coal could make, it ends the process."""
 IDENTITY = np.eye(4)
@@ -32,15 +31,30 @@ class ConvexPiece(NamedTuple):
 def convex_solid(points: Array) -> Any:
     """Return the convex hull of points, shape (n, 3), m, for Coal.
 
-    Where one corner has more neighbours than Coal takes, as on the flat end of a fine cylinder, it is a hull of fewer
-    corners, a little larger so that it holds all of them. What is thinner than a millionth of its length is made as
-    thick as that.
+    Where one corner has more neighbours than Coal takes, fewer than 255, it is what `solid_corners` returns. What is
+    thinner than a millionth of its length is made as thick as that.
     """
-    points = _thickened(points)
-    try:
-        return _hull(points)
-    except RuntimeError:
-        return _hull(_fewer(points))
+    return _taken(points)[1]
+
+
+def solid_corners(points: Array) -> Array:
+    """Return points whose convex hull contains the given ones, shape (n, 3), m, and is one that Coal takes.
+
+    These are the points themselves but where one corner of their hull, as on the flat end of a fine cylinder, has too
+    many neighbours: then they are corners of a polyhedron around it, some thousandth of a round part's radius larger.
+    """
+    return _taken(points)[0]
+
+
+def _taken(points: Array) -> tuple[Array, Any]:
+    """Return such points and their hull."""
+    tried = points = _thickened(points)
+    for fineness in FINENESS:
+        try:
+            return tried, _hull(tried)
+        except RuntimeError:
+            tried = corners_around(points, fineness)
+    return tried, _hull(tried)
 
 
 def _hull(points: Array) -> Any:
@@ -58,13 +72,3 @@ def _thickened(points: Array) -> Array:
     for axis in axes[lengths < least]:
         points = np.concatenate([points - 0.5 * least * axis, points + 0.5 * least * axis])
     return points
-
-
-def _fewer(points: Array) -> Array:
-    """Return corners that are farthest along directions all around, moved away from their middle to hold all points."""
-    chosen = points[np.unique((points @ fan(NEIGHBOURS).T).argmax(axis=0))]
-    hull = Hull(chosen)
-    middle = hull.vertices.mean(axis=0)
-    heights = (hull.normals * (hull.triangles[:, 0] - middle)).sum(axis=1)
-    beyond = ((points - middle) @ hull.normals.T).max(axis=0) / heights
-    return np.asarray(middle + max(1.0, float(beyond.max())) * (hull.vertices - middle))

@@ -15,11 +15,12 @@ import numpy as np
 
 from ..array_cache import kept
 from ..arrays import Array
+from ..descriptions.mesh_files import mesh_bytes
 from ..disk import digest
 from ..errors import InputError
 from .covers import VERSION, cover
 from .hulls import FlatError
-from .mesh_file import read_triangles, unreadable
+from .mesh_file import read_triangles
 
 Pieces = tuple[Array, ...]
 """Vertices of convex pieces, each of shape (k, 3), m."""
@@ -37,10 +38,7 @@ def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: flo
     Raises:
         InputError: the mesh cannot be read or has no volume.
     """
-    try:
-        content = mesh.read_bytes()
-    except OSError as error:
-        raise unreadable(mesh, error) from None
+    content = mesh_bytes(mesh)
     settings = f"{VERSION} {mesh.suffix.lower()} {scale} {pieces} {tolerance}"
     key = digest(content + settings.encode())
     return _cached(key, mesh, scale, pieces, tolerance)

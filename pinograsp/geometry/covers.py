@@ -32,13 +32,21 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
 from ..arrays import Array, Indices
+from .convex_solid import solid_corners
+from .few_corners import corners_around, fan
 from .hulls import FlatError, Hull, areas, boundary, spread
 from .mesh_surface import MeshSurface
 from .triangle_mesh import winding_number
 
-VERSION = 6
+VERSION = 7
 """Of the algorithm; to be raised with every change that gives other pieces."""
 
+MOST_CORNERS = 4000
+"""Corners of a hull; one of more, as of a fine ball, gives way to a polyhedron around it."""
+_MANY = 300_000
+"""More points than these are not all given to Qhull, whose memory grows with the corners."""
+_COARSE, _FINE = 128, 256
+"""Directions of the polyhedron around many points, and around a hull of many corners."""
 _SURFACE_SAMPLES = 8000
 _EXCESS_SAMPLES = 1000
 _TRIAL_SAMPLES = 150
@@ -66,6 +74,8 @@ class _Part:
 def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
     """Return the vertices of convex pieces, each of shape (k, 3), that together contain a mesh.
 
+    They are such that Coal makes solids of them.
+
     Args:
         triangles: of the mesh, shape (n, 3, 3), m.
         pieces: their largest number; 1 gives the convex hull.
@@ -74,9 +84,9 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
     Raises:
         FlatError: the mesh lies in one plane.
     """
-    whole = _Part(triangles, (), Hull(triangles.reshape(-1, 3)))
+    whole = _Part(triangles, (), _hull(triangles.reshape(-1, 3)))
     if pieces == 1:
-        return [whole.hull.vertices]
+        return [solid_corners(whole.hull.vertices)]
     parts = [whole]
     surface = MeshSurface(triangles)
     samples = cKDTree(spread(triangles, areas(triangles), _SURFACE_SAMPLES))
@@ -89,10 +99,16 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
             others = [part.hull for k, part in enumerate(parts) if k != worst]
             plane = _best_plane(_Trial(parts[worst].triangles, others, samples))
             try:
-                parts[worst : worst + 1] = _cut(parts[worst], plane, triangles)
+                parts[worst : worst + 1] = _cut(parts[worst], plane, whole)
             except FlatError:
                 break
-    return [part.hull.vertices for part in parts]
+    return [solid_corners(part.hull.vertices) for part in parts]
+
+
+def _hull(points: Array) -> Hull:
+    """Return the hull of points, shape (n, 3), or of few corners around them."""
+    hull = Hull(points if len(points) <= _MANY else corners_around(points, _COARSE))
+    return hull if len(hull.vertices) <= MOST_CORNERS else Hull(corners_around(hull.vertices, _FINE))
 
 
 def _worst(parts: Sequence[_Part], surface: MeshSurface, tolerance: float) -> int | None:
@@ -104,15 +120,17 @@ def _worst(parts: Sequence[_Part], surface: MeshSurface, tolerance: float) -> in
     return int(np.argmax(sums)) if max(sums) > 0.0 else None
 
 
-def _cut(part: _Part, plane: _Plane, mesh: Array) -> list[_Part]:
+def _cut(part: _Part, plane: _Plane, whole: _Part) -> list[_Part]:
     below, above = clip(part.triangles, *plane)
     opposite = _Plane(-plane.normal, -plane.offset)
-    return [_part(below, (*part.planes, plane), mesh), _part(above, (*part.planes, opposite), mesh)]
+    return [_part(below, (*part.planes, plane), whole), _part(above, (*part.planes, opposite), whole)]
 
 
-def _part(triangles: Array, planes: tuple[_Plane, ...], mesh: Array) -> _Part:
-    inside = [corner for corner in _corners(planes) if abs(winding_number(mesh, corner)) > 0.5]
-    return _Part(triangles, planes, Hull(np.concatenate([triangles.reshape(-1, 3), np.reshape(inside, (-1, 3))])))
+def _part(triangles: Array, planes: tuple[_Plane, ...], whole: _Part) -> _Part:
+    corners = np.reshape(_corners(planes), (-1, 3))
+    near = corners[whole.hull.holds(corners)]  # of what is outside the hull, no winding number need be found
+    inside = [corner for corner in near if abs(winding_number(whole.triangles, corner)) > 0.5]
+    return _Part(triangles, planes, _hull(np.concatenate([triangles.reshape(-1, 3), np.reshape(inside, (-1, 3))])))
 
 
 def clip(triangles: Array, normal: Array, offset: float) -> tuple[Array, Array]:
@@ -263,14 +281,6 @@ def _lattice() -> Array:
     """Return the axes and the diagonals between two of them, one of two opposite directions each, shape (9, 3)."""
     ahead = [step for step in product((-1.0, 0.0, 1.0), repeat=3) if step > (0.0, 0.0, 0.0) and 0.0 in step]
     return np.array([np.array(step) / np.linalg.norm(step) for step in ahead])
-
-
-def fan(count: int) -> Array:
-    """Return directions spread evenly by the golden angle, shape (count, 3)."""
-    k = np.arange(count) + 0.5
-    z, longitude = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
-    rho = np.sqrt(1.0 - z * z)
-    return np.column_stack([rho * np.cos(longitude), rho * np.sin(longitude), z])
 
 
 _LATTICE = _lattice()

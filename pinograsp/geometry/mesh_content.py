@@ -63,12 +63,13 @@ class MeshContent:
     paint: Paint
 
 
-def read_content(file: Path, content: bytes) -> MeshContent:
+def read_content(file: Path, content: bytes, most: int | None = None) -> MeshContent:
     """Return the triangles in the content of a mesh file.
 
     Args:
         file: its suffix tells the format.
         content: that it has.
+        most: triangles that are taken, of copies of its parts too; by default `MOST_TRIANGLES`.
 
     Raises:
         FileError: it is too large or cannot be read, or a corner is no place.
@@ -76,11 +77,11 @@ def read_content(file: Path, content: bytes) -> MeshContent:
     if len(content) > MOST_BYTES:
         problem = f"has {len(content) / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read"
         raise FileError(problem, file=file, remedy="Simplify the mesh")
-    kind = file.suffix[1:].lower()
+    kind, most = file.suffix[1:].lower(), MOST_TRIANGLES if most is None else most
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of the parsers, about what is judged here
-            found = _of_obj(content) if kind == "obj" else _of_others(content, kind)
+            found = _of_obj(content) if kind == "obj" else _of_others(content, kind, most)
     except FileError as error:
         raise FileError(error.problem, file=file, remedy=error.remedy) from None
     except Exception as error:  # parsers that are given any bytes raise errors of any class
@@ -88,14 +89,14 @@ def read_content(file: Path, content: bytes) -> MeshContent:
         said = said if len(said) <= 200 else said[:200] + " ..."
         remedy = "Is it a whole file, and of the kind that its suffix says?"
         raise FileError(f"cannot be read as {kind.upper()} ({said})", file=file, remedy=remedy) from None
-    return _required(found, file)
+    return _required(found, file, most)
 
 
-def _required(found: MeshContent, file: Path) -> MeshContent:
+def _required(found: MeshContent, file: Path, most: int) -> MeshContent:
     """Refuse content that is no triangles."""
     if not len(found.faces):
         raise FileError("has no triangles", file=file, remedy="Is it of the kind that its suffix says?")
-    _require_few(len(found.faces), file)
+    _require_few(len(found.faces), most, file)
     corners = found.vertices[found.faces]  # every index was looked at
     bad = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
     if len(bad):
@@ -106,9 +107,9 @@ def _required(found: MeshContent, file: Path) -> MeshContent:
     return found
 
 
-def _require_few(count: int, file: Path | None = None) -> None:
-    if count > MOST_TRIANGLES:
-        problem = f"has {count} triangles; at most {MOST_TRIANGLES} are taken"
+def _require_few(count: int, most: int, file: Path | None = None) -> None:
+    if count > most:
+        problem = f"has {count} triangles; at most {most} are taken"
         raise FileError(problem, file=file, remedy="Simplify the mesh: a tenth of a millimetre needs far fewer")
 
 
@@ -119,7 +120,7 @@ def _of_obj(content: bytes) -> MeshContent:
     return MeshContent(read.vertices, read.faces, 1.0, paint)
 
 
-def _of_others(content: bytes, kind: str) -> MeshContent:
+def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
     # Bytes, so that nothing is read but what was hashed: no textures and buffers in other files.
     scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
     placed = [
@@ -128,7 +129,7 @@ def _of_others(content: bytes, kind: str) -> MeshContent:
         for T, geometry in (scene.graph[name],)
         if isinstance(scene.geometry[geometry], trimesh.Trimesh)
     ]
-    _require_few(sum(len(mesh.faces) for _, _, mesh, _ in placed))
+    _require_few(sum(len(mesh.faces) for _, _, mesh, _ in placed), most)
     vertices, faces, colors, offset, sampled = [], [], [], 0, False
     materials: dict[str, int] = {}
     groups: dict[frozenset[str], int] = {}

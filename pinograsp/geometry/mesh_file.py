@@ -1,32 +1,44 @@
-"""Triangles of the collision meshes of robots (STL, DAE, OBJ); those of objects are read by `mesh_content`."""
+"""Triangles of the collision meshes of robots, read as those of objects are."""
 
 from __future__ import annotations
 
-import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from ..arrays import Array
-from ..errors import FileError
+from ..descriptions.mesh_files import FILE_TYPES, mesh_bytes
+from ..errors import FileError, InputError
+from .mesh_content import read_content
+
+MOST_TRIANGLES = 4_000_000
+"""Most triangles of a file."""
 
 
 def read_triangles(mesh: Path) -> Array:
     """Return the triangles of a mesh file, placed as its scene places them, in metres, shape (n, 3, 3).
 
+    A unit that the file states counts. An axis that points up does not: nothing is turned, as in RViz and MoveIt.
+
     Raises:
-        FileError: the file cannot be read.
+        FileError: the file cannot be read, is of an unknown kind, or has a corner that is no place, or no triangles.
     """
+    if mesh.suffix[1:].lower() not in FILE_TYPES:
+        known = ", ".join(f".{name}" for name in FILE_TYPES)
+        raise FileError("is no mesh file that can be read", file=mesh, remedy=f"The suffix must be one of {known}")
+    read = read_content(mesh, mesh_bytes(mesh), MOST_TRIANGLES)
+    return np.asarray(read.vertices[read.faces] * read.metres)
+
+
+@contextmanager
+def meshes_of(link: str) -> Iterator[None]:
+    """Give errors about mesh files the name of the link that they are of."""
     try:
-        with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
-            warnings.simplefilter("ignore", DeprecationWarning)
-            whole = trimesh.load_scene(mesh).to_geometry()
-        return np.asarray(np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)])
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
-        raise unreadable(mesh, error) from None
-
-
-def unreadable(mesh: Path, error: Exception) -> FileError:
-    """Return the error about a mesh file that cannot be read."""
-    return FileError(f"the collision mesh cannot be read: {error}", file=mesh)
+        yield
+    except InputError as error:
+        if error.key is not None:
+            raise
+        key = f"link {link}"
+        raise type(error)(error.problem, file=error.file, line=error.line, key=key, remedy=error.remedy) from None

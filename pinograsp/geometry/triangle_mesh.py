@@ -12,6 +12,9 @@ from ..arrays import Array, Mask
 from .hulls import Hull
 from .mesh_surface import MeshSurface
 
+_AT_ONCE = 200_000
+"""Triangles of which solid angles are computed at once: more would take memory."""
+
 
 class TriangleMesh:
     """Triangles of one body, closed or not.
@@ -90,6 +93,9 @@ def winding_number(triangles: Array, point: Array) -> float:
         triangles: shape (n, 3, 3), m.
         point: shape (3,), m.
     """
+    if len(triangles) > _AT_ONCE:
+        rest = range(0, len(triangles), _AT_ONCE)
+        return sum(winding_number(triangles[first : first + _AT_ONCE], point) for first in rest)
     a, b, c = (triangles - point).transpose(1, 0, 2)
     la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
     volumes = (a * np.cross(b, c)).sum(axis=1)

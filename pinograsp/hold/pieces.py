@@ -18,6 +18,7 @@ from ..descriptions import RobotDescription
 from ..descriptions.hand import PadDescription
 from ..descriptions.urdf import RobotUrdf
 from ..geometry.cover_cache import mesh_cover
+from ..geometry.mesh_file import meshes_of
 from ..kinematics.collision_elements import LinkElement, link_elements
 from .pads import is_flat, pad_geom
 
@@ -54,7 +55,8 @@ def link_pieces(
 
 def _of_element(element: LinkElement, robot: RobotDescription) -> list[Array]:
     if element.mesh is not None:
-        local: Iterable[Array] = mesh_cover(element.mesh, element.size, *robot.collision.of(element.link))
+        with meshes_of(element.link):
+            local: Iterable[Array] = mesh_cover(element.mesh, element.size, *robot.collision.of(element.link))
     else:
         local = [_PRIMITIVES[element.kind](*element.size)]
     return [vertices @ element.origin[:3, :3].T + element.origin[:3, 3] for vertices in local]

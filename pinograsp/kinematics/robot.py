@@ -27,6 +27,7 @@ from ..descriptions.hand import PadDescription
 from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
 from ..descriptions.urdf import Mimic
+from ..descriptions.urdf_checks import usable
 from ..errors import InputError, require_kind
 from ..geometry.patches import patch_point
 from . import urdf
@@ -101,15 +102,17 @@ class Robot:
 
     def _place_pads(self) -> None:
         description = self.description
-        self.parameter_limits: Array = np.array([limits for pad in description.pads for limits in pad.patch.parameters])
+        limits = [limits for pad in description.pads for limits in pad.patch.parameters]
+        self.parameter_limits: Array = np.array(limits).reshape(-1, 2)
         self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
         self.pad_frames = PadFrames(
             np.array([pad.joint for pad in self.pads]),
             np.array([pad.rotation for pad in self.pads]),
             np.array([pad.translation for pad in self.pads]),
-            np.repeat(np.arange(len(self.pads)), [len(pad.patch.parameters) for pad in self.pads]),
+            np.array([number for number, pad in enumerate(self.pads) for _ in pad.patch.parameters]),
         )
         self.step_units = self._step_units()
+        self._check_pads()
 
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
@@ -215,6 +218,17 @@ class Robot:
                 problem = f"joint {name!r}, which no synergy moves, stays at {angle:g}, outside "
                 self._refuse(f"{problem}[{low[row]:g}, {high[row]:g}]", "hand.rest", "Give its angle there")
 
+    def _check_pads(self) -> None:
+        """Refuse a pad that neither the hand moves nor what carries the fingers of others that it moves."""
+        others = np.setdiff1d(np.arange(self.model.nv), self.hand_joints)
+        moved = [pad for pad in self.pads if self.supports[pad.joint, self.hand_joints].any()]
+        carriers = {tuple(self.supports[pad.joint, others]) for pad in moved}
+        for number, pad in enumerate(self.pads):
+            if pad not in moved and tuple(self.supports[pad.joint, others]) not in carriers:
+                remedy = "A pad is on a finger, or on the link that carries the fingers of others"
+                problem = f"link {pad.description.link!r} is not moved by the hand"
+                self._refuse(problem, f"pads[{number}].link", remedy)
+
     def _limits(self) -> tuple[Array, Array]:
         """Return the limits of the posture that keep every joint within its own which one variable alone moves."""
         low, high = self.joint_limits
@@ -222,15 +236,20 @@ class Robot:
         given = [(-math.inf, math.inf)] * self.arm_size
         given += [(-math.inf, math.inf) if s.joint or not s.limits else s.limits for s in synergies]
         lower, upper = np.array(given).T.copy()
+        by: dict[int, list[str]] = {}
         for row in np.flatnonzero((self.B != 0.0).sum(axis=1) == 1):
             column = int(np.flatnonzero(self.B[row])[0])
             factor = self.B[row, column]
-            ends = [(end - self.q_0[row]) / factor for end in (low[row], high[row])][:: 1 if factor > 0.0 else -1]
+            ends = [(end - self.q_0[row]) / factor + 0.0 for end in (low[row], high[row])][:: 1 if factor > 0.0 else -1]
             lower[column], upper[column] = max(lower[column], ends[0]), min(upper[column], ends[1])
+            by.setdefault(column, []).append(f"{self.joint_names[row]} to {ends[0]:g} .. {ends[1]:g}")
         for column, name in enumerate(self.posture_names):
-            if not (math.isfinite(lower[column]) and math.isfinite(upper[column]) and lower[column] < upper[column]):
+            if not usable(lower[column], upper[column]):
                 key, what = ("arm.limits", "joint") if column < self.arm_size else ("hand.synergies", "synergy")
-                self._refuse(f"{what} {name!r} has no usable limits", key, "Give them in the robot file")
+                joints = f": joints keep it, {'; '.join(by[column])}" if len(by.get(column, ())) > 1 else ""
+                problem = f"{what} {name!r} has no usable limits ({lower[column]:g} .. {upper[column]:g}){joints}"
+                remedy = "Mend the limits or <mimic> of the one that is not meant so" if joints else None
+                self._refuse(problem, key, remedy or "Give them in the robot file")
         return lower, upper
 
     def _supports(self) -> Array:
@@ -247,15 +266,13 @@ class Robot:
         posture = [min(steps[name] / abs(factor) for name, factor in column.items()) for column in self._columns()]
         middle = self.parameter_limits.mean(axis=1)
         lengths = [np.linalg.norm(patch_point(pad.patch, middle[pad.parameters]).d_point, axis=0) for pad in self.pads]
-        return np.concatenate([posture, SLIP_STEP / np.concatenate(lengths)])
+        return np.concatenate([posture, *(SLIP_STEP / length for length in lengths)])
 
     def _pad(self, number: int) -> Pad:
         pads = self.description.pads
         pad = pads[number]
         frame = self.model.frames[self.model.getFrameId(pad.link, pin.BODY)]
         placement = frame.placement * pin.SE3(pad.patch.rotation, np.array(pad.patch.origin))
-        if not self.supports[frame.parentJoint, self.hand_joints].any():
-            self._refuse(f"link {pad.link!r} is not moved by the hand", f"pads[{number}].link")
         first = sum(len(other.patch.parameters) for other in pads[:number])
         parameters = slice(first, first + len(pad.patch.parameters))
         return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)

@@ -13,6 +13,7 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..descriptions.urdf import Mimic, RobotUrdf, mimics_of
+from .limits import limits_of
 from .pinocchio_xml import pinocchio_xml
 
 
@@ -26,7 +27,7 @@ class TreeJoint:
     parent: str
     child: str
     limits: tuple[float, float]
-    """rad (m); 0, 0 where the URDF gives none."""
+    """rad (m), soft ones where there are some; 0, 0 where the URDF gives none."""
     leader: str | None
     """The joint that it mimics."""
 
@@ -51,10 +52,8 @@ class UrdfTree:
         for element in urdf.tree.findall("joint"):
             name = element.get("name", "")
             ends = [found.get("link", "") if (found := element.find(end)) is not None else "" for end in _ENDS]
-            limit = element.find("limit")
-            low, high = (0.0 if limit is None else float(limit.get(key, "0")) for key in ("lower", "upper"))
             leader = self.mimics[name].leader if name in self.mimics else None
-            self.joints[name] = TreeJoint(name, element.get("type", ""), ends[0], ends[1], (low, high), leader)
+            self.joints[name] = TreeJoint(name, element.get("type", ""), ends[0], ends[1], limits_of(element), leader)
         self.movable = tuple(joint for joint in self.joints.values() if joint.kind != "fixed")
         self._above = {joint.child: joint for joint in self.joints.values()}
         self.links = [self.root, *self.outwards(self.root)]

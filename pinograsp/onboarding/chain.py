@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,23 +28,30 @@ class Chain:
     """Movable joints of neither, which follow none."""
 
 
-def find_chain(tree: UrdfTree, file: Path, tip: str | None, hand: frozenset[str] | None) -> Chain:
+Closes = Callable[[str, tuple[str, ...]], bool]
+"""Whether joints of a hand, by name, close something on a body or on each other."""
+
+
+def find_chain(tree: UrdfTree, file: Path, tip: str | None, hand: frozenset[str] | None, closes: Closes) -> Chain:
     """Find the longest chain of joints up to a body from which two or more fingers branch off.
 
     Joints of the chain neither follow others nor are followed: that sets the arm apart from the linkages of a hand.
+    Where nothing branches off, the last joint of the longest chain is the hand if it closes a finger on the body that
+    carries it.
 
     Args:
         tree: of the robot.
         file: named in errors.
         tip: a link of the body that carries the hand, if it is known.
         hand: the hand's joints, if they are known.
+        closes: asked about a palm and the one joint beyond it.
 
     Raises:
         InputError: there are several such bodies, or none, or no such link.
     """
     if tip is not None and tip not in tree.links:
         raise UnknownNameError(f"there is no link {tip!r}", key="tip", remedy=close_names(tip, tree.links))
-    palm = tree.body(tip) if tip is not None else _palm(tree, file)
+    palm = tree.body(tip) if tip is not None else _palm(tree, file, closes)
     arm = tuple(joint.name for joint in tree.path(palm) if _free(tree, joint.name))
     moved = [joint for joint in tree.carried(palm) if hand is None or joint.name in hand]
     leaders = tuple(joint.name for joint in moved if joint.leader is None)
@@ -70,13 +78,19 @@ def last_link(tree: UrdfTree, file: Path) -> str:
     return found[0]
 
 
-def _palm(tree: UrdfTree, file: Path) -> str:
+def _palm(tree: UrdfTree, file: Path, closes: Closes) -> str:
     bodies = dict.fromkeys(map(tree.body, tree.links))
     forks = [body for body in bodies if len(tree.branches(body)) > 1 and tree.path(body)]
     palms = [body for body in forks if all(_free(tree, joint.name) for joint in tree.path(body)) and _hand(tree, body)]
     if not palms:
         ends = [body for body in bodies if not tree.branches(body)]
-        raise _no_fingers(tree, file, max(ends, key=lambda body: len(tree.path(body))))
+        last = max(ends, key=lambda body: len(tree.path(body)))
+        joints = tree.path(last)
+        if len(joints) > 1 and all(_free(tree, joint.name) for joint in joints):
+            palm, jaw = tree.body(joints[-1].parent), joints[-1].name
+            if closes(palm, (jaw,)):
+                return palm
+        raise _no_fingers(tree, file, last)
     longest = max(len(tree.path(palm)) for palm in palms)
     tips = [palm for palm in palms if len(tree.path(palm)) == longest]
     if len(tips) > 1:

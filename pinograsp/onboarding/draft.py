@@ -31,9 +31,13 @@ class Draft(Record):
     wrist: str
     """Name of the wrist link."""
     pads: tuple[str, ...]
-    """Names of the two links whose flat faces close on each other; empty: there are no such two, write pads by hand."""
+    """Names of the links whose flat faces close on each other, the thumb's first where there are more than two; empty:
+    there are no two, write pads by hand."""
     pad_sizes: Array
-    """Edges of these faces, m, shape (2, 2), or (0, 2) without pads."""
+    """Edges of these faces, m, shape (pads, 2)."""
+
+    coupled: str
+    """That two joints move fingers alike and are taken for one synergy, in words; empty: there are no such two."""
 
     @property
     def checks(self) -> dict[int, str]:
@@ -49,6 +53,7 @@ class Draft(Record):
             f"arm: {number_of(len(self.arm), 'joint')}, {self.arm[0]} .. {self.arm[-1]}; wrist {self.wrist}",
             f"hand: {in_words(list(self.hand))}{followed}",
         ]
+        lines += [self.coupled] if self.coupled else []
         if not self.pads:
             return [*lines, "pads: no two flat faces of the fingers close on each other; write them by hand"]
         sizes = zip(self.pads, 1e3 * self.pad_sizes, strict=True)
@@ -63,7 +68,7 @@ def draft_of(parts: Parts, text: str) -> Draft:
         parts: what was found.
         text: of the robot file, made of them.
     """
-    pads, hand = parts.pads or (), parts.chain.hand
+    pads, hand = parts.pads, parts.chain.hand
     return Draft(
         text=text,
         arm=parts.chain.arm,
@@ -72,4 +77,5 @@ def draft_of(parts: Parts, text: str) -> Draft:
         wrist=parts.wrist,
         pads=tuple(pad.link for pad in pads),
         pad_sizes=np.array([pad.sides for pad in pads]).reshape(-1, 2),
+        coupled="" if parts.coupled is None else f"{parts.coupled.said}: taken for one synergy",
     )

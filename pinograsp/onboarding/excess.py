@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..geometry.cover_cache import mesh_cover
 from ..geometry.hulls import Hull, boundary
+from ..geometry.mesh_file import meshes_of
 from ..geometry.mesh_surface import MeshSurface
 from ..kinematics.collision_elements import collision_elements
 from ..kinematics.robot import Robot
@@ -45,7 +46,8 @@ def link_covers(robot: Robot, report: Report) -> dict[str, tuple[int, Array]]:
         if element.mesh is None:
             found[element.link] = (count + 1, distances)
             continue
-        pieces = mesh_cover(element.mesh, element.size, *robot.description.collision.of(element.link))
+        with meshes_of(element.link):
+            pieces = mesh_cover(element.mesh, element.size, *robot.description.collision.of(element.link))
         beyond = excess(pieces, element_triangles(element))
         found[element.link] = (count + len(pieces), np.concatenate([distances, beyond]))
     return found

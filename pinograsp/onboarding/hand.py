@@ -17,6 +17,8 @@ from .findings import Finding
 
 POSTURES = 400
 """Postures of a hand with more than one synergy, drawn at random; of one synergy, a tenth, evenly."""
+TURNED = 0.01
+"""Change of the cosine between the normals of pads of which they count as parallel."""
 OPPOSED, HARDLY = math.radians(10.0), math.radians(75.0)
 """Up to the first angle pads face each other; beyond the second no friction that there is would hold anything."""
 ASKEW, ASIDE = math.radians(30.0), math.radians(75.0)
@@ -32,6 +34,9 @@ def hand_findings(robot: Robot) -> Iterator[Finding]:
         what += ": no torque about the line through them is held"
     yield Finding("ok", what)
     points, normals, wrists = _contacts(robot)
+    if len(pads) == hard == 2 and np.ptp((normals[:, 0] * normals[:, 1]).sum(axis=1)) > TURNED:
+        what = "the pads do not stay parallel, and are hard fingers: weight turns what they hold about both contacts"
+        yield Finding("doubtful", what, "Describe rubber as soft_finger; hard ones hold only where nothing turns it")
     yield from _facing(robot, points, normals)
     yield from _approach(robot, points, wrists)
 
@@ -93,9 +98,19 @@ def _approach(robot: Robot, points: Array, wrists: Array) -> Iterator[Finding]:
     if lengths.min() < 1e-3:  # a frame between the pads: any direction would do
         yield Finding("ok", f"the wrist, {wrist}, is between the pads")
         return
-    angle = float(np.arccos(np.clip((towards * wrists[:, :3, 2]).sum(axis=1) / lengths, -1.0, 1.0)).mean())
+    angle = _off(towards, wrists)
+    if angle > math.pi / 2:  # a frame beyond the pads: what counts is how the fingers point
+        data = forward(robot, robot.model.createData(), 0.5 * (robot.lower + robot.upper))
+        last = data.translations[robot.model.frames[robot.wrist_frame].parentJoint]
+        angle = min(angle, _off(points.mean(axis=1) - last, wrists))
     what = f"the z axis of {wrist} is {math.degrees(angle):.0f} degrees off the direction to the pads"
     if angle > (ASKEW if points.shape[1] == 2 else ASIDE):
         yield Finding("doubtful", f"{what}: approach directions mean something else", remedy)
     else:
         yield Finding("ok", what)
+
+
+def _off(directions: Array, wrists: Array) -> float:
+    """Return the mean angle between directions, shape (n, 3), and z axes of poses, shape (n, 4, 4), rad."""
+    cosines = (directions * wrists[:, :3, 2]).sum(axis=1) / np.linalg.norm(directions, axis=1)
+    return float(np.arccos(np.clip(cosines, -1.0, 1.0)).mean())

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
 import numpy as np
 
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import RobotUrdf
+from ..descriptions.urdf_checks import usable
+from ..kinematics.limits import hard_limits, limits_of
 from ..kinematics.robot import Robot
 from ..words import in_words, number_of
 from .findings import Finding
@@ -26,8 +29,8 @@ def unusable_limits(description: RobotDescription, urdf: RobotUrdf) -> Iterator[
         if limit is None or joint.get("type") == "continuous" or name in given:
             continue
         if name in arm or name in description.hand.joints:
-            low, high = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
-            if not low < high:
+            low, high = limits_of(joint)
+            if not usable(low, high):
                 key = f"arm.limits.{name}" if name in arm else "limits of its synergy"
                 yield Finding("wrong", f"joint {name} has no usable limits ({low:g} .. {high:g})", f"Give {key}")
 
@@ -35,6 +38,7 @@ def unusable_limits(description: RobotDescription, urdf: RobotUrdf) -> Iterator[
 def joint_findings(robot: Robot) -> Iterator[Finding]:
     """Say what moves what, and what does not."""
     yield from _arm(robot)
+    yield from _soft(robot)
     yield from _wide(robot)
     yield from _narrowed(robot)
     for column, name in enumerate(robot.posture_names[robot.arm_size :], robot.arm_size):
@@ -62,6 +66,30 @@ def _arm(robot: Robot) -> Iterator[Finding]:
         sliding = sum(robot.urdf.movable[name] == "prismatic" for name in arm.joints)
         some = f", {sliding} of them sliding" if sliding else ""
         yield Finding("ok", f"the wrist, {arm.wrist}, is moved by {number_of(len(order), 'joint')}{some}")
+
+
+def _soft(robot: Robot) -> Iterator[Finding]:
+    """Say which joints are kept within soft limits, and which ones have soft limits that nothing can be made of."""
+    used, unused = [], []
+    for joint in robot.urdf.composed.tree.findall("joint"):
+        if joint.find("safety_controller") is not None and joint.get("type") in WIDEST:
+            hard, soft = hard_limits(joint), limits_of(joint)
+            used += [f"{joint.get('name')} {soft[0]:g} .. {soft[1]:g}"] if soft != hard else []
+            unused += [joint.get("name", "")] if soft == hard and not _holds(joint, hard) else []
+    if used:
+        yield Finding("ok", f"soft limits of <safety_controller> are kept: {in_words(used)}")
+    if unused:
+        what = f"soft limits of {in_words(unused)} leave nothing to move in, and are not kept"
+        yield Finding("doubtful", what, "Mend them in the URDF, or give limits in the robot file")
+
+
+def _holds(joint: ET.Element, hard: tuple[float, float]) -> bool:
+    """Whether the soft limits of a joint are there and lie around its hard ones."""
+    soft = joint.find("safety_controller")
+    ends = [None if soft is None else soft.get(key) for key in ("soft_lower_limit", "soft_upper_limit")]
+    return all(end is None for end in ends) or (
+        float(ends[0] or hard[0]) <= hard[0] and float(ends[1] or hard[1]) >= hard[1]
+    )
 
 
 def _wide(robot: Robot) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from ..arrays import Array
-from ..geometry.mesh_file import read_triangles
+from ..geometry.mesh_file import meshes_of, read_triangles
 from ..geometry.primitives import primitive_triangles
 from ..geometry.triangle_mesh import TriangleMesh
 from ..kinematics.collision_elements import LinkElement
@@ -42,6 +42,7 @@ def element_triangles(element: LinkElement) -> Array:
     """
     if element.mesh is None:
         return primitive_triangles(element.kind, element.size)
-    triangles = read_triangles(element.mesh) * element.size
+    with meshes_of(element.link):
+        triangles = read_triangles(element.mesh) * element.size
     mirrored = np.prod(element.size) < 0.0
     return triangles[:, ::-1] if mirrored else triangles

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
+from ..descriptions.mesh_files import METRES
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
+from ..kinematics.collision_elements import collision_elements
 from ..kinematics.robot import Robot
+from ..kinematics.tree import UrdfTree
 from ..progress import Report, no_report
 from ..words import in_words
 from .excess import link_covers
@@ -18,6 +23,11 @@ LOOSE = 0.010
 """An excess beyond this keeps the robot farther off than it need be, m."""
 LARGEST, SMALLEST = 3.0, 0.002
 """Extents of a link beyond these are those of a mesh in other units, m."""
+MODEST = 0.3
+"""A link of this size is never too large, m."""
+LIKELY = 0.01
+"""Links that are larger, m, may be in the unit that makes them so."""
+_UP_AXIS = re.compile(rb"<up_axis>\s*([XYZ])_UP\s*</up_axis>")
 _SAMPLES = 48
 
 
@@ -47,11 +57,8 @@ def mesh_findings(figures: list[LinkFigures], meshes: Mapping[str, TriangleMesh]
     if not leaky:
         cracks = f"; cracks in {in_words(open_ones)} are too fine to matter" if open_ones else ""
         yield Finding("ok", f"collision geometry of {len(figures)} links, all found and watertight{cracks}")
-    for link, mesh in meshes.items():
-        size = float(np.ptp(mesh.corners, axis=0).max())
-        if not SMALLEST < size < LARGEST:
-            remedy = 'Meshes in millimetres need scale="0.001 0.001 0.001"'
-            yield Finding("doubtful", f"link {link} is {size:.4g} m large", remedy)
+    yield from _sizes(meshes, robot)
+    yield from _turned(robot)
     loose = [figure for figure in figures if figure.excess > LOOSE]
     for figure in loose:
         yield Finding(
@@ -65,6 +72,46 @@ def mesh_findings(figures: list[LinkFigures], meshes: Mapping[str, TriangleMesh]
     yield from _without_geometry(meshes, robot)
 
 
+def _sizes(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding]:
+    """Find links that are too large or too small for what they are a part of, as those in another unit are."""
+    reach = _reach(robot.urdf.tree)
+    for link, mesh in meshes.items():
+        size = float(np.ptp(mesh.corners, axis=0).max())
+        moved = bool(robot.urdf.tree.path(link))
+        most = min(LARGEST, max(MODEST, reach)) if moved else LARGEST
+        if not SMALLEST < size < most:
+            likely = [unit for unit, metres in METRES.items() if LIKELY < metres * size < 0.5 * most]
+            in_units = ", ".join(f"in {unit}, {1e3 * METRES[unit] * size:.3g} mm ({METRES[unit]:g})" for unit in likely)
+            long = f", and the robot without it {reach:.2g} m long" if size < LARGEST and size >= most else ""
+            remedy = f"If its mesh is {in_units}: give the factor as its scale" if likely else "Is its unit the metre?"
+            yield Finding("doubtful", f"link {link} is {size:.4g} m large{long}", remedy)
+
+
+def _reach(tree: UrdfTree) -> float:
+    """Return the length of the longest chain of joints from the root, m, with what they slide."""
+    poses, along = tree.poses({}), {tree.root: 0.0}
+    above = {joint.child: joint for joint in tree.joints.values()}
+    for link in tree.links[1:]:
+        joint = above[link]
+        slide = max(map(abs, joint.limits)) if joint.kind == "prismatic" else 0.0
+        step = float(np.linalg.norm(poses[link][:3, 3] - poses[joint.parent][:3, 3]))
+        along[link] = along[joint.parent] + step + slide
+    return max(along.values())
+
+
+def _turned(robot: Robot) -> Iterator[Finding]:
+    """Find COLLADA files that state another upward axis than URDFs have: readers of URDFs differ on what that means."""
+    for element in collision_elements(robot):
+        if element.mesh is not None and element.mesh.suffix.lower() == ".dae":
+            axis = _UP_AXIS.search(element.mesh.read_bytes())
+            if axis is not None and axis[1] != b"Z":
+                what = f"{element.mesh.name} of link {element.link} says {axis[1].decode()}_UP"
+                remedy = (
+                    "It is taken as it stands, as RViz and MoveIt do; look at it on the page, turn it by its <origin>"
+                )
+                yield Finding("doubtful", what, remedy)
+
+
 def encloses(mesh: TriangleMesh) -> bool:
     """Whether points are clearly inside or outside: winding numbers near whole ones, in spite of holes."""
     low, high = mesh.corners.min(axis=0), mesh.corners.max(axis=0)
@@ -75,7 +122,10 @@ def encloses(mesh: TriangleMesh) -> bool:
 
 def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding]:
     """Find what would move unseen, and what cannot be shown."""
-    body = {link: robot.model.frames[robot.model.getFrameId(link)].parentJoint for link in robot.urdf.links}
+    frames = {
+        link: robot.model.getFrameId(link, pin.BODY) for link in robot.urdf.links
+    }  # a joint may be called so, too
+    body = {link: robot.model.frames[frame].parentJoint for link, frame in frames.items()}
     solid = {body[link] for link in meshes}
     for link in robot.urdf.composed.tree.findall("link"):
         name = link.get("name", "")

@@ -12,12 +12,14 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions.composition import Composition
 from ..descriptions.urdf import RobotUrdf, attachment_joint
-from ..kinematics.collision_elements import link_elements
+from ..errors import InputError
+from ..kinematics.collision_elements import LinkElement, link_elements
 from ..kinematics.tree import UrdfTree
 from ..progress import Progress, Report, no_report
 from .chain import Chain, find_chain
+from .coupled import Coupled, Facing, coupled_joints
 from .facets import Facet, facets_of
-from .facing import facing_pair, usual_limits
+from .facing import facing, finger_of, usual_limits
 from .link_meshes import link_meshes
 
 ALONG = math.cos(math.radians(30.0))
@@ -36,12 +38,16 @@ class Parts:
     """Links and joints of the whole."""
     chain: Chain
     """Joints of the arm and of the hand, by name, as `arm` and `hand`."""
-    pads: tuple[Facet, Facet] | None
-    """Flat faces of the fingers, each of a `link`, that close on each other; None: there are no such two."""
+    pads: tuple[Facet, ...]
+    """Flat faces of the fingers, each of a `link`, that close on each other; none if there are no two."""
     wrist: str
     """Name of the wrist link."""
     towards: bool
     """Whether the wrist's z axis points to the pads."""
+    turning: bool
+    """Whether there are two pads that the hand turns against each other."""
+    coupled: Coupled | None
+    """How two joints of the hand look coupled."""
 
 
 def parts_of(composition: Composition, urdf: RobotUrdf, tip: str | None, report: Report = no_report) -> Parts:
@@ -61,17 +67,76 @@ def parts_of(composition: Composition, urdf: RobotUrdf, tip: str | None, report:
     hand = None
     if composition.attach:
         hand, tip = _last_attached(tree, composition), composition.attach[-1].to
-    chain = find_chain(tree, file, tip, hand)
-    moved = {tree.body(joint.child) for joint in tree.carried(chain.palm) if (joint.leader or joint.name) in chain.hand}
-    meshes = {link: mesh for link, mesh in link_meshes(link_elements(urdf, file)).items() if tree.body(link) in moved}
-    facets: list[Facet] = []
-    for done, (link, mesh) in enumerate(meshes.items()):
-        report(Progress("flat faces of links", done, len(meshes)))
-        facets += facets_of(link, mesh)
-    pads = facing_pair(facets, tree, chain.palm, chain.hand)
+    elements = link_elements(urdf, file)
+    search = _FaceSearch(tree, elements, report)
+
+    def pads_of(palm: str, joints: tuple[str, ...]) -> tuple[Facet, ...]:
+        _require_geometry(urdf, composition, elements, search.links(palm, joints))
+        return search.pads(palm, joints)
+
+    chain = find_chain(tree, file, tip, hand, lambda palm, joints: bool(pads_of(palm, joints)))
+    pads = pads_of(chain.palm, chain.hand)
     to = composition.attach[-1].to if composition.attach else None
     wrist, towards = _wrist(tree, chain, pads, to)
-    return Parts(composition, tree, chain, pads, wrist, towards)
+    sides = [Facing(pad.link, pad.origin, pad.axes[:, 2]) for pad in pads]
+    alike = coupled_joints(tree, chain.hand, sides)
+    return Parts(composition, tree, chain, pads, wrist, towards, _turning(tree, chain, pads, alike), alike)
+
+
+def _turning(tree: UrdfTree, chain: Chain, pads: Sequence[Facet], alike: Coupled | None) -> bool:
+    """Whether two pads do not stay parallel as the hand moves from one end of its range to the other."""
+    if len(pads) != 2:
+        return False
+    between = []
+    for end in (0, 1):
+        angles = {name: (usual_limits(tree.joints[name]) or tree.joints[name].limits)[end] for name in chain.hand}
+        if alike is not None:
+            angles[alike.second] = alike.factor * angles[alike.first] + alike.offset
+        poses = tree.poses(angles)
+        first, second = (poses[pad.link][:3, :3] @ pad.axes[:, 2] for pad in pads)
+        between.append(float(first @ second))
+    return abs(between[1] - between[0]) > 1e-6
+
+
+class _FaceSearch:
+    """The search for faces that close on each other; what is known of a link is not searched again."""
+
+    def __init__(self, tree: UrdfTree, elements: Sequence[LinkElement], report: Report) -> None:
+        self._tree, self._elements, self._report = tree, elements, report
+        self._faces: dict[str, list[Facet]] = {}
+
+    def links(self, palm: str, hand: Sequence[str]) -> list[str]:
+        """Return the links that the hand closes on each other: of one finger alone, with the palm."""
+        tree = self._tree
+        moved = {tree.body(joint.child) for joint in tree.carried(palm) if (joint.leader or joint.name) in hand}
+        fingers = {finger_of(tree, palm, body) for body in moved}
+        return [link for link in tree.links if tree.body(link) in moved | ({palm} if len(fingers) == 1 else set())]
+
+    def pads(self, palm: str, hand: Sequence[str]) -> tuple[Facet, ...]:
+        """Return the faces of the hand that close on each other."""
+        links = self.links(palm, hand)
+        wanted = [element for element in self._elements if element.link in links and element.link not in self._faces]
+        meshes = link_meshes(wanted)
+        for done, (link, mesh) in enumerate(meshes.items()):
+            self._report(Progress("flat faces of links", done, len(meshes)))
+            self._faces[link] = facets_of(link, mesh)
+        facets = [facet for link in links for facet in self._faces.get(link, ())]
+        return facing(facets, self._tree, palm, hand)
+
+
+def _require_geometry(
+    urdf: RobotUrdf, composition: Composition, elements: Sequence[LinkElement], links: Sequence[str]
+) -> None:
+    """Refuse a robot of which no link of the hand collides, if the URDF shows some.
+
+    Raises:
+        InputError: that is so.
+    """
+    shown = {link.get("name") for link in urdf.tree.findall("link") if link.find("visual") is not None}
+    if shown.intersection(links) and not {element.link for element in elements}.intersection(links):
+        which = "no link" if not elements else "no link of the hand"
+        problem, remedy = f"{which} has collision geometry", "Set it, and links without collide as they are shown"
+        raise InputError(problem, file=composition.urdf_file, key="use_visual", remedy=remedy)
 
 
 def _last_attached(tree: UrdfTree, composition: Composition) -> frozenset[str]:
@@ -81,14 +146,14 @@ def _last_attached(tree: UrdfTree, composition: Composition) -> frozenset[str]:
     return frozenset(joint.name for joint in tree.movable if joint.parent in links)
 
 
-def _wrist(tree: UrdfTree, chain: Chain, pads: Sequence[Facet] | None, to: str | None) -> tuple[str, bool]:
+def _wrist(tree: UrdfTree, chain: Chain, pads: Sequence[Facet], to: str | None) -> tuple[str, bool]:
     """Return a link of the palm whose z axis points to the pads (without pads, to the fingers), and whether it does.
 
     Best is what a hand of its own is mounted on, then what is called like a tool frame, then what carries the fingers.
     """
     links = tree.body_links(chain.palm)
     poses = tree.poses({})
-    if pads is None:
+    if not pads:
         places = [poses[joint.child][:3, 3] for joint in tree.carried(chain.palm)]
     else:
         places = [(poses[pad.link] @ [*pad.origin, 1.0])[:3] for pad in pads]
@@ -97,6 +162,8 @@ def _wrist(tree: UrdfTree, chain: Chain, pads: Sequence[Facet] | None, to: str |
     tools = [link for part in TOOL_FRAMES for link in links if part in link]
     wanted = [*([] if to is None else [to]), *tools, *carriers, *links]
     fitting = [link for link in wanted if _points_to(poses[link], target)]
+    way = target - poses[chain.palm][:3, 3]  # a frame beyond the pads may point as the fingers do
+    fitting += [link for link in wanted if poses[link][:3, 2] @ way > ALONG * max(float(np.linalg.norm(way)), 0.01)]
     return (fitting[0], True) if fitting else (carriers[0], False)
 
 

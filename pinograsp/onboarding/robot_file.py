@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..descriptions.composition import Attachment
+from ..descriptions.composition import Attachment, UrdfPart
 from ..words import in_words, number_of
-from .facets import Facet
+from .coupled import Coupled
+from .pad_text import HARD, SOFT, numbers, pad_lines, pad_names
 from .parts import Parts, guessed_limits
+from .yaml_text import text, texts
 
-INSET = 0.001
-"""Of a pad from the edges of its face, so that a contact never sits on the rim, m."""
 MANY = 3
 """More synergies are more than most tasks need."""
 PADS_BY_HAND = """\
-# CHECK: no two flat faces of the fingers that close on each other were found. Write two or more pads by hand, each on a
-# link that the hand moves (types: plane, line, cylinder, sphere), and look at them with `pinograsp robot check`:
+# CHECK: no two flat faces of the fingers that close on each other were found. Write two or more pads by hand (types:
+# plane, line, cylinder, sphere). `pinograsp robot check` shows the flat faces that there are, and the pads:
 #   - name: left
 #     link: left_finger_tip
 #     patch:
@@ -48,65 +47,96 @@ def robot_file(found: Parts, name: str, srdf: str | None) -> str:
 def _head(found: Parts, name: str, srdf: str | None) -> list[str]:
     composition = found.composition
     lines = ["# Written by `pinograsp robot new`. Lines with CHECK hold what a URDF does not say."]
-    lines += ["format: 1", f"name: {name}", f"urdf: {composition.urdf}"]
+    lines += ["format: 1", f"name: {text(name)}", f"urdf: {text(composition.urdf)}"]
     if srdf is not None:
         lines += [
             "# Found beside the URDF; without it, pairs of links that may touch are found by sampling.",
-            f"# srdf: {srdf}",
+            f"# srdf: {text(srdf)}",
         ]
+    lines += _taken(composition)
     if composition.packages:
-        lines += ["packages:", *(f"  - {folder}" for folder in composition.packages)]
+        lines += ["packages:", *(f"  - {text(str(folder))}" for folder in composition.packages)]
     return lines
 
 
+def _taken(part: UrdfPart) -> list[str]:
+    """Return lines on what is held in a URDF, and on what stands for its collision geometry."""
+    held = ", ".join(f"{text(name)}: {value}" for name, value in part.hold.items())
+    lines = [f"hold: {{{held}}}    # CHECK: moved by nothing here, held at their origins"] if part.hold else []
+    return [*lines, *(["use_visual: true    # links without collision geometry"] if part.use_visual else [])]
+
+
 def _attached(part: Attachment) -> list[str]:
-    lines = ["attach:", f"  - urdf: {part.urdf}"]
-    lines += [] if part.root is None else [f"    root: {part.root}"]
-    lines += [f"    to: {part.to}"]
-    lines += [f"    prefix: {part.prefix}"] if part.prefix else []
+    lines = ["attach:", f"  - urdf: {text(part.urdf)}"]
+    lines += [] if part.root is None else [f"    root: {text(part.root)}"]
+    lines += [f"    to: {text(part.to)}"]
+    lines += [f"    prefix: {text(part.prefix)}"] if part.prefix else []
+    lines += [f"    {line}" for line in _taken(part)]
     given = any(part.position) or any(part.rpy)
-    lines.append(f"    position: {_numbers(part.position, 9)}" + ("" if given else "    # CHECK: in metres"))
-    lines.append(f"    rpy: {_numbers(part.rpy, 9)}" + ("" if given else "    # CHECK: in radians"))
+    lines.append(f"    position: {numbers(part.position, 9)}" + ("" if given else "    # CHECK: in metres"))
+    lines.append(f"    rpy: {numbers(part.rpy, 9)}" + ("" if given else "    # CHECK: in radians"))
     return lines
 
 
 def _arm(found: Parts) -> list[str]:
     chain, limits = found.chain, guessed_limits(found)
     off = "" if found.towards else "    # CHECK: its z axis should point to the pads, it does not"
-    lines = ["arm:", f"  joints: [{', '.join(chain.arm)}]", f"  wrist: {found.wrist}{off}"]
+    lines = ["arm:", f"  joints: {texts(chain.arm)}", f"  wrist: {text(found.wrist)}{off}"]
     guessed = {name: limits[name] for name in chain.arm if name in limits}
     lines += ["  limits:"] if guessed else []
     for joint, interval in guessed.items():
-        lines.append(f"    {joint}: {list(interval)}    # CHECK: a guess, the URDF has none")
+        lines.append(f"    {text(joint)}: {list(interval)}    # CHECK: a guess, the URDF has none")
     if chain.still:
         count = number_of(len(chain.still), "joint")
-        lines.append(f"# CHECK: {count} of neither arm nor hand, at zero for good: {in_words(list(chain.still))}")
+        lines.append(
+            f"# CHECK: {count} of neither arm nor hand, at zero for good: {in_words(list(map(text, chain.still)))}"
+        )
     return lines
 
 
 def _hand(found: Parts) -> list[str]:
+    if found.coupled is not None:
+        return _coupled(found.coupled)
     lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
     if len(found.chain.hand) > MANY:
         lines.append(
             "    # CHECK: joints that move together can be one synergy: {name: close, joints: {a: 1.0, b: 0.5}}"
         )
     for joint in found.chain.hand:
-        lines.append(f"    - joint: {joint}")
+        lines.append(f"    - joint: {text(joint)}")
         followers = found.tree.followers(joint)
-        lines += [f"      # followed by {name}, {mimic.multiplier:+g}" for name, mimic in followers.items()]
+        lines += [f"      # followed by {text(name)}, {mimic.multiplier:+g}" for name, mimic in followers.items()]
         if joint in limits:
             lines.append(f"      limits: {list(limits[joint])}    # CHECK: a guess, the URDF has none")
     return lines
 
 
+def _coupled(pair: Coupled) -> list[str]:
+    lines = [
+        "hand:",
+        f"  # CHECK: {pair.said}.",
+        "  # They are taken for one synergy. If each moves on its own, this is the line instead:",
+        f"  # synergies: {pair.apart}",
+        f"  synergies: [{pair.synergy}]",
+    ]
+    return lines if pair.rest is None else [*lines, f"  rest: {pair.rest}    # not with the line above"]
+
+
 def _pads(found: Parts) -> list[str]:
-    if found.pads is None:
+    if not found.pads:
         return PADS_BY_HAND.splitlines()
     lines = ["# Flat faces that close on each other, less 1 mm at each edge so that a contact never sits on the rim."]
-    if _fingers(found) > 2:
+    if len(found.pads) > 2:
+        lines.append("# CHECK: the first is of the thumb, which closes on the others; a task names those that it wants")
+    if _fingers(found) > len(found.pads):
         lines.append("# CHECK: the hand has more fingers; add a pad for each that is to touch")
-    names = pad_names([pad.link for pad in found.pads])
-    return [*lines, "pads:", *(line for pad, name in zip(found.pads, names, strict=True) for line in _pad(pad, name))]
+    if found.turning:
+        lines.append(
+            "# They do not stay parallel: only soft fingers keep what they hold from turning about both contacts."
+        )
+    names, contact = pad_names([pad.link for pad in found.pads]), SOFT if found.turning else HARD
+    described = (pad_lines(pad, name, contact) for pad, name in zip(found.pads, names, strict=True))
+    return [*lines, "pads:", *(line for pad in described for line in pad)]
 
 
 def _fingers(found: Parts) -> int:
@@ -117,22 +147,6 @@ def _fingers(found: Parts) -> int:
     return len(starts) if len(hand) > 1 else 2
 
 
-def _pad(facet: Facet, name: str) -> list[str]:
-    half = facet.sides / 2 - INSET
-    return [
-        f"  - name: {name}",
-        f"    link: {facet.link}",
-        "    patch:",
-        "      type: plane",
-        f"      origin: {_numbers(facet.origin, 7)}",
-        f"      normal: {_numbers(facet.axes[:, 2], 9)}",
-        f"      x_axis: {_numbers(facet.axes[:, 0], 9)}",
-        f"      u: {_numbers([-half[0], half[0]], 5)}",
-        f"      v: {_numbers([-half[1], half[1]], 5)}",
-        "    contact: {model: hard_finger}",
-    ]
-
-
 def _stiffness(found: Parts) -> list[str]:
     sliding = any(found.tree.joints[name].kind == "prismatic" for name in found.chain.hand)
     joint, unit = ("10000.0", "N / m") if sliding else ("100.0", "N m / rad")
@@ -141,22 +155,6 @@ def _stiffness(found: Parts) -> list[str]:
         f"  joint: {joint}    # CHECK: a guess, {unit}",
         "  contact: 10000.0    # CHECK: a guess, N / m",
     ]
-
-
-def pad_names(links: Sequence[str]) -> list[str]:
-    """Return `left` and `right` where the links are called so, else the links' names."""
-    sides = ["left" if "left" in link.lower() else "right" if "right" in link.lower() else link for link in links]
-    return sides if len(set(sides)) == len(sides) else list(links)
-
-
-def _numbers(values: Iterable[float], digits: int) -> str:
-    """Write numbers as a YAML list, without exponents, which YAML takes for text."""
-    return "[" + ", ".join(_number(round(float(value), digits), digits) for value in values) + "]"
-
-
-def _number(value: float, digits: int) -> str:
-    text = f"{value + 0.0:.{digits}f}".rstrip("0")  # adding 0 makes -0.0 plain
-    return f"{text}0" if text.endswith(".") else text
 
 
 def srdf_beside(urdf: Path) -> Path | None:

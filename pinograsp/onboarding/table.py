@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
+
 from ..tables import Table
+from ..words import number_of
 from .check import RobotReport
-from .findings import Finding
 
 COLORS = {"wrong": "red", "doubtful": "yellow", "ok": "green"}
-"""What is worse comes first."""
 
 
 def findings_table(report: RobotReport) -> Table:
-    """Return the findings, the worst first, each with what to do below it."""
+    """Return what is wrong, then what is doubtful, with what to do below it, and one line for all that is ok."""
     table = Table(f"{report.name}: findings", headings=False)
     table.lines("")
     table.words("")
-    for level, color in COLORS.items():
-        for finding in report.findings:
-            if finding.level == level:
-                table.add(level, _in_words(finding), color=color)
+    for finding, after in zip_longest(report.findings, report.findings[1:]):
+        if finding.level != "ok":
+            same = after is not None and (after.level, after.remedy) == (finding.level, finding.remedy)
+            advice = "" if same or not finding.remedy else f"\n  {finding.remedy}"  # once, below the last of them
+            table.add(finding.level, finding.what + advice, color=COLORS[finding.level])
+    if fine := sum(finding.level == "ok" for finding in report.findings):
+        what = number_of(fine, "thing")
+        table.add("ok", f"{what} looked at, listed on the page and with --json", color=COLORS["ok"])
     return table
 
 
@@ -37,7 +42,3 @@ def summary(report: RobotReport) -> str:
     """Return how many findings there are of each level."""
     counts = {level: sum(finding.level == level for finding in report.findings) for level in COLORS}
     return ", ".join(f"{count} {level}" for level, count in counts.items())
-
-
-def _in_words(finding: Finding) -> str:
-    return finding.what + (f"\n  {finding.remedy}" if finding.remedy else "")

@@ -210,9 +210,19 @@ def _joint(joint: Any) -> Joint:
     if joint.type != "continuous":
         # A limit that the URDF leaves out is 0 by its specification.
         lower, upper = (joint.limit.lower, joint.limit.upper) if joint.limit else (None, None)
-        limits = (float(lower or 0.0), float(upper or 0.0))
+        limits = _softened(float(lower or 0.0), float(upper or 0.0), joint.safety_controller)
     mimic = joint.mimic
     if mimic is None:
         return Joint(joint.name, limits, None, 1.0, 0.0)
     multiplier = 1.0 if mimic.multiplier is None else float(mimic.multiplier)
     return Joint(joint.name, limits, mimic.joint, multiplier, float(mimic.offset or 0.0))
+
+
+def _softened(lower: float, upper: float, controller: Any) -> tuple[float, float]:
+    """Return the part of a joint's range that a safety controller leaves; all of it if that is none."""
+    if controller is None:
+        return lower, upper
+    ends = [controller.soft_lower_limit, controller.soft_upper_limit]
+    low = lower if ends[0] is None or ends[0] < lower else float(ends[0])
+    high = upper if ends[1] is None or ends[1] > upper else float(ends[1])
+    return (low, high) if low < high else (lower, upper)

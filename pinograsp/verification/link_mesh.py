@@ -15,7 +15,7 @@ from ..arrays import Array, Integers
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
-VERSION = 1
+VERSION = 2
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
 
 
@@ -50,7 +50,7 @@ class LinkMesh:
 
     @cached_property
     def hull_solid(self) -> Any | None:
-        """Coal's convex hull; None where Qhull or Coal makes none."""
+        """Coal's convex hull, or what is a little larger; None of what is flat."""
         return hull_solid(self.hull)
 
     @cached_property

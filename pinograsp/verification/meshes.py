@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import warnings
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,8 @@ import trimesh
 
 from ..arrays import Array
 from ..descriptions.composition import Composition
+from ..descriptions.mesh_files import mesh_bytes
+from ..descriptions.obj_indices import counted_from_first
 from ..errors import FileError, InputError
 from .link_mesh import LinkMesh, kept_mesh
 
@@ -46,10 +49,7 @@ def _content(collisions: list[Any], link: str) -> bytes:
         ]
         parts.append(repr((numbers, _exact(origin))).encode())
         if geometry.mesh is not None:
-            try:
-                parts.append(Path(geometry.mesh.filename).read_bytes())
-            except OSError as error:
-                raise _unreadable(Path(geometry.mesh.filename), link, error) from None
+            parts.append(_bytes(geometry.mesh.filename, link))
     return b"\0".join(parts)
 
 
@@ -80,21 +80,38 @@ def _placed(collision: Any, link: str, robot: Composition) -> Any:
     return mesh if collision.origin is None else mesh.apply_transform(collision.origin)
 
 
-def _read(file: str, link: str) -> Any:
+def _bytes(file: str, link: str) -> bytes:
     try:
-        with warnings.catch_warnings():  # reading DAE uses what NumPy 2.5 deprecates
-            warnings.simplefilter("ignore", DeprecationWarning)
-            mesh = trimesh.load_scene(file).to_geometry()
-        if not len(mesh.faces):
+        return mesh_bytes(Path(file))
+    except FileError as error:
+        raise FileError(error.problem, file=error.file, key=f"link {link}", remedy=error.remedy) from None
+
+
+def _read(file: str, link: str) -> Any:
+    """Return the triangles of a mesh file in metres, by the unit that it states."""
+    kind = Path(file).suffix[1:].lower()
+    try:
+        with warnings.catch_warnings():  # of a mesh that was made elsewhere
+            warnings.simplefilter("ignore")
+            content = io.BytesIO(counted_from_first(_bytes(file, link), kind))
+            # Not processed, which takes out corners that are no numbers.
+            scene: Any = trimesh.load_scene(content, file_type=kind, process=False)
+            whole = scene.to_geometry()
+            stated = 1.0 if scene.units is None else float(trimesh.units.unit_conversion(scene.units, "meters"))
+        if not len(whole.faces):
             raise ValueError("it has no triangles")
-        # Without texture and colours, which keep vertices apart that are one.
-        return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, ImportError) as error:
-        raise _unreadable(Path(file), link, error) from None
-
-
-def _unreadable(file: Path, link: str, error: Exception) -> FileError:
-    return FileError(f"the collision mesh of link {link} cannot be read: {error}", file=file)
+        used = np.unique(whole.faces)
+        if not np.isfinite(whole.vertices[used]).all() or not 0.0 < stated < np.inf:
+            raise ValueError("a corner is no number")
+        # Without texture and colours, which keep vertices apart that are one, and corners that no triangle has.
+        faces = np.searchsorted(used, whole.faces)
+        mesh = trimesh.Trimesh(np.asarray(whole.vertices)[used] * stated, faces, process=False)
+        mesh.merge_vertices()
+        return mesh
+    except FileError:
+        raise
+    except Exception as error:  # of any kind, from a parser that is given any bytes
+        raise FileError(f"the collision mesh of link {link} cannot be read: {error}", file=Path(file)) from None
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:

@@ -13,6 +13,7 @@ import trimesh
 
 from ..arrays import Array, Integers
 from ..descriptions.mesh_files import metres_in_unit
+from ..descriptions.obj_indices import counted_from_first
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
 from .triangle_body import TriangleBody
@@ -42,7 +43,11 @@ def _read(content: bytes, file: Path) -> tuple[Any, float]:
     try:
         with warnings.catch_warnings():  # of a mesh that was made elsewhere
             warnings.simplefilter("ignore")
-            scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=file.suffix[1:].lower())
+            kind = file.suffix[1:].lower()
+            # Not processed, which takes out corners that are no numbers.
+            scene: Any = trimesh.load_scene(
+                io.BytesIO(counted_from_first(content, kind)), file_type=kind, process=False
+            )
             whole = scene.to_geometry()
             stated = 1.0 if scene.units is None else float(trimesh.units.unit_conversion(scene.units, "meters"))
             # Without texture and colours, which keep vertices apart that are one.

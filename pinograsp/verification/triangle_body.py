@@ -200,7 +200,7 @@ class TriangleBody:
 
     @cached_property
     def hull(self) -> Any | None:
-        """Coal's convex hull; None where Coal makes none, and of a fine mesh, whose tree is as quick."""
+        """Coal's convex hull, or what is a little larger; None of what is flat, or fine: its tree is as quick."""
         return hull_solid(hull_corners(self.vertices)) if len(self.vertices) <= FINE else None
 
     @cached_property

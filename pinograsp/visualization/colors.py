@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import colorsys
+
 FORCE = 0xD62728
 WRENCH = 0x1F4FD8
 CONE = 0x2CA02C
@@ -45,6 +47,12 @@ def legend(*, regions: bool, approach: bool, desired: bool = True) -> dict[str, 
             continue
         entries |= REGION_LEGEND if regions and text == "object" else {text: color}
     return entries | ({"cone of approach directions": APPROACH} if approach else {})
+
+
+def of_number(number: int) -> int:
+    """Return the colour of one of many: hues a golden section apart, so that neighbours in a list differ."""
+    r, g, b = (round(255 * part) for part in colorsys.hsv_to_rgb(0.618034 * number % 1.0, 0.85, 0.8))
+    return r << 16 | g << 8 | b
 
 
 def css(color: int) -> str:

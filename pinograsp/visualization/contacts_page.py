@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -18,7 +17,7 @@ from .forces import ARROW_RADIUS
 from .page import legend, page, view_button
 from .scene import draw_body, draw_enclosure
 from .symbols import Look, arrow, ball, draw, frustum
-from .viewer import Recorder, Visualizer, clear_backdrop
+from .viewer import Recorder, Visualizer, child, clear_backdrop
 
 ROOT = "contacts"
 """Node of the viewer's tree that holds the world."""
@@ -71,10 +70,10 @@ def _draw(visualizer: Visualizer, pairs: Sequence[ContactPair], scene: Scene, na
     draw_body(world["object"], body, Look(colors.OBJECT, 0.45, colors.OBJECT_LAYER))
     others = {**scene.obstacles, **{other: thing for other, thing in scene.objects.items() if other != name}}
     for other, thing in others.items():
-        draw_body(world["obstacles"][other], thing, Look(colors.OTHER))
+        draw_body(child(world["obstacles"], other), thing, Look(colors.OTHER))
     T = body.pose.matrix
     for number, pair in enumerate(pairs):
-        node, look = world["pairs"][str(number)], Look(_color(number), layer=colors.SYMBOL_LAYER)
+        node, look = world["pairs"][str(number)], Look(colors.of_number(number), layer=colors.SYMBOL_LAYER)
         points, normals = pair.points @ T[:3, :3].T + T[:3, 3], pair.normals @ T[:3, :3].T
         draw(node["line"], frustum(points[0], points[1], LINE_RADIUS, LINE_RADIUS), look)
         for side, (point, normal) in enumerate(zip(points, normals, strict=True)):
@@ -96,11 +95,5 @@ def _draw(visualizer: Visualizer, pairs: Sequence[ContactPair], scene: Scene, na
 
 def _row(number: int, pair: ContactPair) -> str:
     points = "; ".join(", ".join(f"{1e3 * x:z.1f}" for x in point) for point in pair.points)
-    swatch = f'<span style="color: {colors.css(_color(number))}">&#9632;</span>'
+    swatch = f'<span style="color: {colors.css(colors.of_number(number))}">&#9632;</span>'
     return f"<tr><td>{swatch}&nbsp;{number + 1}</td><td>{1e3 * pair.width:.1f}</td><td>{points}</td></tr>"
-
-
-def _color(number: int) -> int:
-    """Return the colour of a pair: hues a golden section apart, so that neighbours in the list differ."""
-    r, g, b = (round(255 * part) for part in colorsys.hsv_to_rgb(0.618034 * number % 1.0, 0.85, 0.8))
-    return r << 16 | g << 8 | b

@@ -9,7 +9,7 @@ from ..descriptions import Scene, Task
 from ..results.grasp import Contact, Grasp
 from . import colors
 from .symbols import Look, arrow, ball, draw, friction_cone
-from .viewer import Visualizer
+from .viewer import Visualizer, child
 
 LONGEST_ARROW = 0.12
 """Length of the arrow of the greatest force, m."""
@@ -24,7 +24,7 @@ def draw_forces(viewer: Visualizer, grasp: Grasp, scene: Scene, task: Task) -> N
     weight = np.array(scene.wrench_of(task).force)
     scale = arrow_scale([weight, *(contact.force for contact in grasp.contacts)])
     for contact in grasp.contacts:
-        draw_contact(viewer["contacts"][contact.pad], contact, task.contact.friction, scale)
+        draw_contact(child(viewer["contacts"], contact.pad), contact, task.contact.friction, scale)
     center = scene.objects[task.object].center_of_mass_world
     draw_arrow(viewer["wrench"], center, center + scale * weight, colors.WRENCH)
 

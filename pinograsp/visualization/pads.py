@@ -22,10 +22,16 @@ HALF_LINE = 5e-4
 ARROW_LENGTH, ARROW_RADIUS = 0.03, 0.001
 
 
-def draw_pad(node: Visualizer, patch: Patch) -> None:
-    """Draw a patch in its own frame (x, y, outward normal) at a node of the viewer's tree."""
+def draw_pad(node: Visualizer, patch: Patch, color: int = colors.PAD) -> None:
+    """Draw a patch in its own frame (x, y, outward normal) at a node of the viewer's tree.
+
+    Args:
+        node: the node.
+        patch: what to draw.
+        color: of its surface, 0xrrggbb.
+    """
     vertices, faces = surface(patch)
-    material = geometry.MeshPhongMaterial(color=colors.PAD)
+    material = geometry.MeshPhongMaterial(color=color)
     node["surface"].set_object(geometry.TriangularMeshGeometry(vertices, faces), material)
     middle = patch_point(patch, np.mean(patch.parameters, axis=1))
     tip = middle.point + ARROW_LENGTH * middle.normal

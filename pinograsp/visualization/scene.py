@@ -12,7 +12,7 @@ from . import colors
 from .regions import painted_surface
 from .surfaces import surface_mesh
 from .symbols import Look, Piece, box, box_edges, draw
-from .viewer import LayeredMesh, Visualizer, geometry
+from .viewer import LayeredMesh, Visualizer, child, geometry
 
 WALL_THICKNESS = 0.004
 EDGE_RADIUS = 0.003
@@ -23,7 +23,7 @@ def draw_scene(viewer: Visualizer, scene: Scene, task: Task) -> None:
     draw_enclosure(viewer["enclosure"], scene.enclosure)
     _draw_object(viewer["object"], scene.objects[task.object], scene.region_of(task))
     for name, body in scene.bodies_besides(task).items():
-        draw_body(viewer["obstacles"][name], body, Look(colors.OTHER))
+        draw_body(child(viewer["obstacles"], name), body, Look(colors.OTHER))
 
 
 def _draw_object(node: Visualizer, body: Body, region: Region | None) -> None:

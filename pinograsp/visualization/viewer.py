@@ -8,12 +8,14 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from ..words import escaped
+
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # meshcat 0.3.2 imports a deprecated part of pyzmq
     from meshcat import Visualizer, geometry
     from meshcat.servers.zmqserver import VIEWER_ROOT
 
-__all__ = ["LayeredMesh", "Recorder", "Visualizer", "clear_backdrop", "geometry", "live", "viewer_javascript"]
+__all__ = ["LayeredMesh", "Recorder", "Visualizer", "child", "clear_backdrop", "geometry", "live", "viewer_javascript"]
 
 
 class LayeredMesh(geometry.Mesh):  # type: ignore[misc]
@@ -48,6 +50,11 @@ def live() -> Visualizer:
     """Start a meshcat server and return its visualizer; opens no browser, `url()` is the address."""
     with contextlib.redirect_stdout(io.StringIO()):
         return Visualizer()
+
+
+def child(node: Visualizer, name: str) -> Visualizer:
+    """Return the node below another one for a thing of any name: a slash in it would lead to the node of another."""
+    return node[escaped(name, "/")]
 
 
 def clear_backdrop(node: Visualizer) -> None:
