@@ -55,12 +55,13 @@ class Run:
         best = {"best U": self.best_U} if self.verified else {}
         return Progress("starts", len(self.attempts), total, {"verified": self.verified, **best})
 
-    def count_starts(self, found: int, radius: float) -> None:
+    def count_starts(self, found: int, radius: float, nearest: float) -> None:
         """Warn where fewer starts were found in the database than asked for.
 
         Args:
             found: number of them.
             radius: of the region around the object where they were looked for, m.
+            nearest: distance of the nearest wrist of the database from the object, m.
         """
         if found == self.starts:
             return
@@ -69,6 +70,12 @@ class Run:
         reason += f"within {radius:g} m (start_radius) of the object"
         if not self.facts["database"]["rows"]:
             reason = EMPTY
+        elif nearest > radius:
+            lacking = math.ceil(100.0 * (nearest - radius)) / 100
+            reason += (
+                f"; the nearest has it {nearest:.2f} m away: move the object {lacking:.2f} m or more towards the arm, "
+            )
+            reason += "or give a larger start_radius"
         self.warnings += (f"{few}: {reason}",)
 
     def count_tried(self, deadline: float | None) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
+from ..database.query import nearest_wrist
 from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
@@ -186,7 +187,8 @@ class Planner:
             run.times["database"] = time.perf_counter() - began - run.times["prepare"]
             postures = starts_near(database, model, starts, seed)
             run.facts["database"] = facts_of(database)
-            run.count_starts(len(postures), model.task.start_radius)
+            nearest = nearest_wrist(database, model.load.center_of_mass)
+            run.count_starts(len(postures), model.task.start_radius, nearest)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
