@@ -14,6 +14,7 @@ from ..database.store import Database, identity_of
 from ..descriptions.robot_files import Hashes
 from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
+from ..results.explanation import Explanation
 from ..results.provenance import provenance
 from ..solve.local import Outcome
 from ..units import in_si
@@ -97,11 +98,12 @@ class Run:
         """Return the grasps that were found, near-identical ones as one."""
         return merge([attempt.grasp for attempt in self.attempts if attempt.grasp])
 
-    def result(self, grasps: tuple[Grasp, ...]) -> Result:
+    def result(self, grasps: tuple[Grasp, ...], explanation: Explanation | None = None) -> Result:
         """Return the result of what was tried.
 
         Args:
             grasps: the distinct ones with all their figures, in the default order.
+            explanation: why there are none.
         """
         attempts = self.attempts
         outcomes = Counter(attempt.solution.outcome for attempt in attempts)
@@ -113,6 +115,7 @@ class Run:
             verified=self.verified,
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
+            explanation=explanation,
             interrupted=self.interrupted,
             warnings=self.warnings,
             times=self.times | _times(attempts),
@@ -153,7 +156,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
     for attempt in sorted(attempts, key=lambda a: a.solution.start):
         if attempt.grasp:
             continue
-        kind, miss, unit, where = _obstacle(attempt)
+        kind, miss, unit, where = obstacle_of(attempt)
         known = found.get(kind)
         if known is None or miss < known.nearest_miss:
             found[kind] = Blocked((known.starts if known else 0) + 1, miss, unit, where)
@@ -162,7 +165,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
     return found
 
 
-def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
+def obstacle_of(attempt: Attempt) -> tuple[str, float, str, str]:
     """Return kind, violation, unit and place of what kept an attempt from being verified."""
     if attempt.certificate is not None:
         figure = attempt.certificate.refuted_by[0]

@@ -17,6 +17,7 @@ from ..descriptions.model import FileRoot
 from ..descriptions.problems import input_error
 from ..errors import MOST, InputError
 from ..verification.certificate import Certificate, Figure
+from .explanation import Cause, Explanation, Remedy
 from .grasp import Contact, Cost, Grasp
 from .result import Blocked, Result
 from .setup import Setup
@@ -43,6 +44,7 @@ def decode(data: dict[str, Any]) -> Result:
         blocked=_named(data, "blocked", _blocked),
         interrupted=_part(data, "interrupted", _truth),
         warnings=_parts(data, "warnings", _text),
+        explanation=_part(data, "explanation", _explanation) if "explanation" in data else None,
         times=_part(data, "times", _mapping),
         provenance=_part(data, "provenance", _provenance),
     )
@@ -181,6 +183,35 @@ def _cost(data: Any) -> Cost:
 
 def _blocked(data: Any) -> Blocked:
     return _made(Blocked, data, starts=_part(data, "starts", _count), nearest_miss=_part(data, "nearest_miss", _real))
+
+
+def _explanation(data: Any) -> Explanation:
+    return _made(
+        Explanation,
+        data,
+        causes=_parts(data, "causes", _cause),
+        nearest_miss=_part(data, "nearest_miss", lambda part: None if part is None else _grasp(part)),
+        remedies=_parts(data, "remedies", _remedy),
+        warnings=_parts(data, "warnings", _text),
+        done=_part(data, "done", _count),
+        verified=_part(data, "verified", _count),
+        interrupted=_part(data, "interrupted", _truth),
+        seconds=_part(data, "seconds", _real),
+        refusal=_part(data, "refusal", _text),
+    )
+
+
+def _cause(data: Any) -> Cause:
+    texts = {key: _part(data, key, _text) for key in ("kind", "unit", "where", "body")}
+    numbers = {key: _part(data, key, _real) for key in ("share", "nearest_miss")}
+    return _made(Cause, data, starts=_part(data, "starts", _count), **texts, **numbers)
+
+
+def _remedy(data: Any) -> Remedy:
+    texts = {key: _part(data, key, _text) for key in ("kind", "text", "unit")}
+    counts = {key: _part(data, key, _count) for key in ("verified", "tried")}
+    changes = _part(data, "changes", _mapping)
+    return _made(Remedy, data, amount=_part(data, "amount", _real), changes=changes, **texts, **counts)
 
 
 def _array(numbers: Any, *shape: int) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 from ..errors import InputError
 from ..frozen import Record
 from .different import Different, different
+from .explanation import Explanation
 from .grasp import Grasp
 from .ranking import FRONT, SCORE, ordered_by, pareto_front
 from .setup import Setup
@@ -62,6 +63,9 @@ class Result(Record):
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
     """Sentences about what is odd about the task, and about why there were fewer starts than asked for."""
+    explanation: Explanation | None = field(default=None, repr=False)
+    """Why there is no grasp: causes body by body and the nearest miss; None if there are some, or no start was solved.
+    `explain` finds remedies, too."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 
@@ -70,6 +74,8 @@ class Result(Record):
         super().__post_init__()
         grasps = tuple(g if g.setup is self.setup else replace(g, setup=self.setup) for g in self.grasps)
         object.__setattr__(self, "grasps", grasps)
+        if self.explanation is not None:
+            object.__setattr__(self, "explanation", self.explanation.placed(self.setup))
 
     @property
     def robot(self) -> str:
