@@ -27,8 +27,8 @@ LENGTHS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
 """Sizes of moves that are tried, m."""
 SMALL = (0.001, 0.002, 0.004, 0.008, 0.016, 0.032)
 """Sizes of jaws and regions that are tried, m."""
-SHARES = (0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95)
-"""Parts of the load that are taken away, one after the other."""
+LIGHTER = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+"""By how many parts of what is left the load is reduced: 1.0 leaves the half."""
 DIGITS = 3
 """Of the load that is left."""
 
@@ -117,7 +117,7 @@ def weights(failure: Failure) -> Iterator[Variant]:
         return
 
     def left(size: float) -> float:
-        number = had * (1.0 - size)
+        number = had / (1.0 + size)
         unit = 10.0 ** (math.floor(math.log10(number)) - DIGITS + 1)
         return math.floor(number / unit) * unit
 
@@ -132,7 +132,7 @@ def weights(failure: Failure) -> Iterator[Variant]:
     def text(size: float) -> str:
         return f"a load of {left(size):.3g} N instead of {had:.3g} N"
 
-    yield Variant("weight", "N", 1e-3, changes, left, text, SHARES)
+    yield Variant("weight", "N", 1e-3, changes, left, text, LIGHTER)
 
 
 def jaws(failure: Failure) -> Iterator[Variant]:

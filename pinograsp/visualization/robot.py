@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -13,10 +13,17 @@ from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
+from . import colors
 from .viewer import Visualizer
 
 
-def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: Mapping[str, float], mounting: Array) -> None:
+def draw_robot(
+    viewer: Visualizer,
+    robot: RobotDescription,
+    joints: Mapping[str, float],
+    mounting: Array,
+    marked: Collection[str] = (),
+) -> None:
     """Draw the robot below the node `robot`.
 
     Args:
@@ -24,11 +31,12 @@ def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: Mapping[str,
         robot: the robot file.
         joints: every movable joint of the URDF by name, rad (m).
         mounting: pose of the robot's root link in the world, shape (4, 4).
+        marked: links that offend.
 
     Raises:
         InputError: a mesh is missing or unreadable, or a joint has no angle.
     """
-    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting)
+    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting, marked)
 
 
 def draw_urdf(
@@ -37,6 +45,7 @@ def draw_urdf(
     robot: RobotDescription,
     joints: Mapping[str, float],
     mounting: Array,
+    marked: Collection[str] = (),
 ) -> dict[str, tuple[str, Array]]:
     """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
 
@@ -65,6 +74,10 @@ def draw_urdf(
             raise InputError(f"cannot be drawn: {problem}", file=file) from None
     painter.display(q)
     viewer["robot"].set_transform(mounting)
+    for item in visuals.geometryObjects:
+        if model.frames[item.parentFrame].name in marked:
+            node = painter.getViewerNodeName(item, pin.GeometryType.VISUAL)
+            viewer[node].set_property("color", [*colors.shares(colors.OFFENDER), 1.0])
     return {
         painter.getViewerNodeName(item, pin.GeometryType.VISUAL): (
             model.names[item.parentJoint],
