@@ -22,9 +22,12 @@ from ..descriptions.scene import Body
 from ..descriptions.shapes import Box, Capsule, Cylinder, Sphere
 from ..errors import InputError
 from ..geometry.shapes import surface_of
+from ..results import Grasp
 
-LENGTHS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
+LENGTHS = tuple(0.005 * 2.0 ** (0.5 * k) for k in range(14))
 """Sizes of moves that are tried, m."""
+NOWHERE = 1e-3
+"""Length of a way that has no direction, m."""
 SMALL = (0.001, 0.002, 0.004, 0.008, 0.016, 0.032)
 """Sizes of jaws and regions that are tried, m."""
 LIGHTER = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
@@ -45,6 +48,8 @@ class Failure:
     """Bodies that are in the way, the most frequent first."""
     kinds: tuple[str, ...]
     """Constraints that are violated, the most frequent first; keys of the scene that a refusal names."""
+    nearest_miss: Grasp | None = None
+    """The posture that came nearest to a grasp."""
 
     @property
     def task(self) -> Task:
@@ -81,12 +86,19 @@ def place(*keys: str) -> str:
 
 
 def object_moves(failure: Failure) -> Iterator[Variant]:
-    """Yield moves of the object: along the axes, those away from what is in the way first, and towards the arm."""
+    """Yield moves of the object: to the pads of the nearest miss, along the axes, and towards the arm.
+
+    Of the axes those come first that lead away from what is in the way.
+    """
     name, center = failure.task.object, failure.target.pose.matrix[:3, 3]
-    towards = failure.base - center
-    directions = [*_axes(_away(failure, center)), towards / float(np.linalg.norm(towards))]
+    directions = [*_axes(_away(failure, center)), failure.base - center]
+    if failure.nearest_miss is not None and "contact gap" in failure.kinds:
+        pads = np.mean([contact.point for contact in failure.nearest_miss.contacts], axis=0)
+        directions.insert(0, pads - _held_place(failure))
     for direction in directions:
-        yield _move("move object", ("objects", name, "pose"), name, failure.target, direction)
+        length = float(np.linalg.norm(direction))
+        if length > NOWHERE:
+            yield _move("move object", ("objects", name, "pose"), name, failure.target, direction / length)
 
 
 def obstacle_moves(failure: Failure) -> Iterator[Variant]:
@@ -236,6 +248,12 @@ def _away(failure: Failure, center: Array) -> Array:
         if name in around:
             return np.asarray(center - around[name].pose.matrix[:3, 3])
     return -np.array(failure.scene.gravity)
+
+
+def _held_place(failure: Failure) -> Array:
+    """Return where the hand is wanted: between the desired contacts, or at the object's origin, world, m, shape (3,)."""
+    T, points = failure.target.pose.matrix, failure.task.desired_contacts
+    return np.asarray(T[:3, 3] if points is None else T[:3, :3] @ np.mean(points, axis=0) + T[:3, 3])
 
 
 def _move(kind: str, where: tuple[str, ...], name: str, body: Body, direction: Array) -> Variant:

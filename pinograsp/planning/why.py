@@ -65,7 +65,8 @@ def explained(
         kinds = tuple(dict.fromkeys(cause.kind for cause in found.causes))
         bodies = tuple(dict.fromkeys(cause.body for cause in found.causes if cause.body))
     if not (found.verified or found.interrupted):
-        failure = Failure(scene, task, arm_reach(robot.mounted(scene.mounting.matrix))[0], bodies, kinds)
+        base = arm_reach(robot.mounted(scene.mounting.matrix))[0]
+        failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss)
         kept = list[Remedy]()
         try:
             trials = Trials(robot, database(), task, options, seed, time.perf_counter() + deadline)

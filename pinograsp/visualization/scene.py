@@ -52,7 +52,7 @@ def draw_body(node: Visualizer, body: Body, look: Look) -> None:
 
 
 def draw_enclosure(node: Visualizer, enclosure: Enclosure, marked: Collection[str] = ()) -> None:
-    """Draw six thin walls, outside of the room, and their edges; the floor and what offends are the least transparent."""
+    """Draw six thin walls, outside of the room, and their edges; floor and offenders are the least transparent."""
     names = iter(enclosure.walls)
     low, high = np.array(enclosure.min), np.array(enclosure.max)
     glass = Look(colors.WALL, 0.10, colors.GLASS_LAYER)
