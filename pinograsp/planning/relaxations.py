@@ -251,7 +251,7 @@ def _away(failure: Failure, center: Array) -> Array:
 
 
 def _held_place(failure: Failure) -> Array:
-    """Return where the hand is wanted: between the desired contacts, or at the object's origin, world, m, shape (3,)."""
+    """Return where the hand is wanted: between desired contacts, or at the origin of the object, world, m."""
     T, points = failure.target.pose.matrix, failure.task.desired_contacts
     return np.asarray(T[:3, 3] if points is None else T[:3, :3] @ np.mean(points, axis=0) + T[:3, 3])
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..errors import TaskError
 from ..geometry.shapes import surface_of
 from ..kinematics.hand_posture import always_parallel
@@ -21,6 +21,8 @@ YIELD = 0.002
 """How much nearer than its margin to a wall a contact point may be, m: a pad lies up to so far off its link."""
 OPPOSITE = 0.8
 """Cosine from which on two normals count as opposite."""
+BELOW = 2e-4
+"""How far below the surface normals are compared with those on it, m."""
 SOME = 400
 """Normals to which an opposite one is looked for, at least."""
 
@@ -57,7 +59,8 @@ def check_region(model: TaskModel) -> list[str]:
         if rooms.max() > 0.0:
             nearest = f"within {1e3 * float(rooms.max()):.1f} mm of a wall, an obstacle or another object ({lacking})"
         raise TaskError(f"no pad can get there: all of {part} is {nearest}", file=file, key=key, remedy=remedy)
-    if always_parallel(model.robot) and not _opposite(outward[free]) and _opposite(outward):
+    flat = _off_edges(model, points, normals)
+    if always_parallel(model.robot) and not _opposite(outward[free & flat]) and _opposite(outward[flat]):
         raise TaskError(
             f"no two pads can get there: of {part} no opposite faces are far enough from other things; {lacking}",
             file=file,
@@ -84,9 +87,15 @@ def check_region(model: TaskModel) -> list[str]:
     ]
 
 
+def _off_edges(model: TaskModel, points: Array, normals: Array) -> Mask:
+    """Return which points of the surface, object frame, are not on an edge, where the normal could be any."""
+    below = model.surface.signed_distance(points - BELOW * normals)[1]
+    return np.asarray((below * normals).sum(axis=1) > OPPOSITE)
+
+
 def _opposite(normals: Array) -> bool:
     """Whether some of the normals, shape (n, 3), are opposite to each other, or nearly so."""
-    return bool((normals @ normals[:: max(1, len(normals) // SOME)].T).min() < -OPPOSITE)
+    return bool(len(normals)) and bool((normals @ normals[:: max(1, len(normals) // SOME)].T).min() < -OPPOSITE)
 
 
 def _surface_points(model: TaskModel) -> tuple[Array, Array]:

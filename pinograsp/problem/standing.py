@@ -17,7 +17,7 @@ TOUCHING = 0.005
 """Gap up to which nothing is said, m: as much is left on purpose."""
 CLOSE = 0.05
 """Height below which an object was meant to stand, m; one that hangs higher is held by what the scene leaves out."""
-STEP = 0.0005
+STEP = 0.00005
 """To which a height is found, m."""
 
 

@@ -89,7 +89,7 @@ def _named(data: Any, key: str, read: Callable[[Any], Part]) -> dict[str, Part]:
     return _part(data, key, lambda block: {name: _part(block, name, read) for name in _mapping(block)})
 
 
-def _made(kind: type[Part], data: Any, **read: Any) -> Part:
+def _made(kind: type[Part], data: Any, /, **read: Any) -> Part:
     """Return a record of JSON data that has all of its fields and no more, with those that were read already."""
     names = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     if missing := sorted(names - data.keys()):
