@@ -21,12 +21,14 @@ from typing import Any
 import numpy as np
 
 import pinograsp
-from pinograsp import Body, Box, Capsule, Cone, Cylinder, Ellipsoid, Enclosure, Object, Pose, Result, Scene, Sphere
+from pinograsp import Box, Capsule, Cone, Cylinder, Ellipsoid, Enclosure, Object, Pose, Result, Scene, Sphere
 from pinograsp.kinematics.reach import arm_reach
 from pinograsp.kinematics.robot import Robot
 
 ROOMS = 2
 """Rooms of a robot: each needs a start database."""
+MARGINS = (0.005, 0.002)
+"""From walls, of the tasks in each of them, m."""
 WORKING = 0.9
 """Part of the remedies that must work."""
 COLUMNS = ("scenes", "with grasps", "refused", "failed", "explained", "remedies", "working", "refuted", "crashed")
@@ -55,33 +57,35 @@ def shape(rng: np.random.Generator) -> Any:
 
 def random_scene(robot: Robot, rng: np.random.Generator, name: str) -> Scene:
     """Return a random scene with the task "t"."""
-    enclosure, (base, reach) = room(robot, int(rng.integers(ROOMS))), arm_reach(robot)
+    kind, (_, reach) = int(rng.integers(ROOMS)), arm_reach(robot)
+    enclosure = room(robot, kind)
     distance, angle = rng.uniform(0.3, 0.75) * reach, rng.uniform(-math.pi, math.pi)
     place = np.array([distance * math.cos(angle), distance * math.sin(angle), rng.uniform(0.02, 0.6 * reach)])
     position = tuple(np.clip(place, np.array(enclosure.min) + 0.06, np.array(enclosure.max) - 0.06).tolist())
     turned = (0.0, 0.0, float(rng.uniform(-math.pi, math.pi)))
-    there, obstacles = np.array(position), dict[str, Body]()
+    there = np.array(position)
+    around = dict[str, Object]()  # things, not obstacles: those would each need a start database of their own
     gap, depth = rng.uniform(0.08, 0.25, 2).tolist()
     if rng.random() < 0.6:
         board = Box(size=(0.3, 0.3, 0.015))
-        obstacles["shelf"] = Body(shape=board, pose=Pose(position=tuple((there - [0.0, 0.0, gap]).tolist())))
-        obstacles["shelf_top"] = Body(shape=board, pose=Pose(position=tuple((there + [0.0, 0.0, depth]).tolist())))
+        around["shelf"] = Object(shape=board, pose=Pose(position=(there[0], there[1], there[2] - gap)))
+        around["shelf_top"] = Object(shape=board, pose=Pose(position=(there[0], there[1], there[2] + depth)))
     for number in range(int(rng.integers(4))):
         way = rng.uniform(-math.pi, math.pi)
         off = rng.uniform(0.05, 0.2) * np.array([math.cos(way), math.sin(way), 0.0])
         post = Cylinder(radius=0.012, height=0.2)
-        obstacles[f"post_{number}"] = Body(shape=post, pose=Pose(position=tuple((there + off).tolist())))
+        around[f"post_{number}"] = Object(shape=post, pose=Pose(position=tuple((there + off).tolist())))
     task = {
         "object": "thing",
         "wrench": {"force": (0.0, 0.0, -float(rng.uniform(0.2, 12.0)))},
         "contact": {"friction": float(rng.uniform(0.3, 1.0))},
-        "margin": {"enclosure": (0.002, 0.005)[int(rng.integers(2))]},
+        "margin": {"enclosure": MARGINS[kind], "object": float(rng.uniform(0.0005, 0.002))},
     }
     thing = Object(shape=shape(rng), pose=Pose(position=position, rpy=turned))
     pads = [pad.name for pad in robot.description.pads]
     if len(pads) > 2:
         task["pads"] = pads[:2]
-    return Scene(name=name, enclosure=enclosure, objects={"thing": thing}, obstacles=obstacles, tasks={"t": task})
+    return Scene(name=name, enclosure=enclosure, objects={"thing": thing, **around}, tasks={"t": task})
 
 
 def works(result: Result, counts: Counter[str]) -> bool:

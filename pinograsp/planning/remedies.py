@@ -1,6 +1,7 @@
 """The least changes that make a task work, found by short plans, and each verified by another one.
 
-Starts are those of the database of the scene as it was: it belongs to robot and enclosure, which no change touches.
+Starts are those of the database of the scene as it was, so that none has to be built. It keeps off walls and obstacles by
+the margins of then: where a change is of these, some starts may be missing, which makes a remedy larger, never wrong.
 """
 
 from __future__ import annotations
