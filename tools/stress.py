@@ -136,7 +136,7 @@ def main() -> int:
         counts, seed = table[name], 10_000 * options.seed + number
         counts["scenes"] += 1
         try:
-            scene = random_scene(robots[name], np.random.default_rng(seed), f"stress_{seed}_{name}")
+            scene = random_scene(robots[name], np.random.default_rng(seed), f"stress_{seed}")
             tried(robots[name], scene, options, seed, counts)
         except Exception:
             counts["crashed"] += 1

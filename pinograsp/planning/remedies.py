@@ -1,6 +1,6 @@
 """The least changes that make a task work, found by short plans, and each verified by another one.
 
-Starts are those of the database of the scene as it was, so that none has to be built. It keeps off walls and obstacles by
+Starts are those of the database of the scene as it was: none has to be built. They keep off walls and obstacles by
 the margins of then: where a change is of these, some starts may be missing, which makes a remedy larger, never wrong.
 """
 
