@@ -247,7 +247,10 @@ def _certificate(data: Any) -> Certificate:
 def _figure(data: Any) -> Figure:
     # null stands for a number that was not finite: a value that proves nothing, a limit that does not judge.
     unlimited = math.inf if _part(data, "sense", _text) == "at most" else -math.inf
-    value = _part(data, "value", lambda number: math.nan if number is None else _real(number))
+    # Of a length that has to be large it is an overlap whose depth is not known.
+    overlap = data.get("unit") == "m" and data["sense"] == "at least"
+    unknown = -math.inf if overlap else math.nan
+    value = _part(data, "value", lambda number: unknown if number is None else _real(number))
     limit = _part(data, "limit", lambda number: unlimited if number is None else _real(number))
     others = {key: part for key, part in data.items() if key != "holds"}  # which follows from the others
     return _made(Figure, others, value=value, limit=limit)

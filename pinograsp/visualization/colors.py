@@ -55,8 +55,3 @@ def legend(*, regions: bool, approach: bool, desired: bool = True, verified: boo
 def css(color: int) -> str:
     """Return a colour as CSS writes it."""
     return f"#{color:06x}"
-
-
-def shares(color: int) -> list[float]:
-    """Return red, green and blue of a colour, from 0 to 1."""
-    return [channel / 255 for channel in color.to_bytes(3, "big")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Set
 
 import numpy as np
 import pinocchio as pin
@@ -13,8 +13,10 @@ from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
+from ..verification.robot import read_robot
 from . import colors
-from .viewer import Visualizer
+from .symbols import Look, Piece, draw
+from .viewer import Visualizer, geometry
 
 
 def draw_robot(
@@ -22,7 +24,7 @@ def draw_robot(
     robot: RobotDescription,
     joints: Mapping[str, float],
     mounting: Array,
-    marked: Collection[str] = (),
+    marked: Set[str] = frozenset(),
 ) -> None:
     """Draw the robot below the node `robot`.
 
@@ -36,7 +38,22 @@ def draw_robot(
     Raises:
         InputError: a mesh is missing or unreadable, or a joint has no angle.
     """
-    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting, marked)
+    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting)
+    if marked:
+        _draw_marked(viewer["offenders"], robot, joints, mounting, marked)
+
+
+def _draw_marked(
+    viewer: Visualizer, robot: RobotDescription, joints: Mapping[str, float], mounting: Array, marked: Set[str]
+) -> None:
+    """Draw the collision geometry of links over what is seen of them: visual meshes have colours of their own."""
+    verified = read_robot(robot)
+    poses = verified.kinematics.poses(joints)
+    for name in sorted(marked & verified.meshes.keys()):
+        mesh = verified.meshes[name]
+        triangles = geometry.TriangularMeshGeometry(mesh.vertices, mesh.faces)
+        look = Look(colors.OFFENDER, 0.75, colors.OBJECT_LAYER)
+        draw(viewer[name], Piece(triangles, mounting @ poses[name]), look)
 
 
 def draw_urdf(
@@ -45,7 +62,6 @@ def draw_urdf(
     robot: RobotDescription,
     joints: Mapping[str, float],
     mounting: Array,
-    marked: Collection[str] = (),
 ) -> dict[str, tuple[str, Array]]:
     """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
 
@@ -74,10 +90,6 @@ def draw_urdf(
             raise InputError(f"cannot be drawn: {problem}", file=file) from None
     painter.display(q)
     viewer["robot"].set_transform(mounting)
-    for item in visuals.geometryObjects:
-        if model.frames[item.parentFrame].name in marked:
-            node = painter.getViewerNodeName(item, pin.GeometryType.VISUAL)
-            viewer[node].set_property("color", [*colors.shares(colors.OFFENDER), 1.0])
     return {
         painter.getViewerNodeName(item, pin.GeometryType.VISUAL): (
             model.names[item.parentJoint],
