@@ -23,7 +23,7 @@ class Cause(Record):
     starts: int
     """Number of them."""
     share: float
-    """Of the starts that were solved, from 0 to 1."""
+    """Share of the starts that were solved, from 0 to 1."""
     nearest_miss: float
     """Least violation among them, in `unit`."""
     unit: str
@@ -31,7 +31,7 @@ class Cause(Record):
     where: str
     """Bodies, pad or figure of the nearest miss: of a clearance the link and what it is too near to."""
     body: str
-    """What the link is too near to: wall, obstacle, object or link; empty for what is no clearance."""
+    """Body that the link is too near to: wall, obstacle, object or link; empty for what is no clearance."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +39,7 @@ class Remedy(Record):
     """A change of the scene that makes the task work, no larger than it has to be, tried by planning again."""
 
     kind: str
-    """What is changed: "move object", "move obstacle", "margin", "weight", "jaw", "region"."""
+    """Kind of the change: "move object", "move obstacle", "margin", "weight", "jaw", "region"."""
     text: str
     """In words, with figures and units."""
     amount: float
