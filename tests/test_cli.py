@@ -271,7 +271,7 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
         starts = "1 start" if blocked.starts == 1 else f"{blocked.starts} starts"
         assert f"blocked by {kind}: {starts}, nearest miss" in output
     assert "wall z=-0.237" in output
-    assert not (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").exists()
+    assert "<h1>Nearest miss</h1>" in (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").read_text()
 
 
 def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:

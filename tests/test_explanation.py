@@ -212,10 +212,12 @@ def test_a_failed_plan_has_causes_and_a_nearest_miss(narrow: tuple[Scene, Explan
     assert explanation.interrupted  # no time for remedies
 
 
-def test_an_explanation_survives_the_file_of_its_result(toy: Robot, narrow: tuple[Scene, Explanation]) -> None:
+def test_an_explanation_survives_the_file_of_its_result(
+    toy: Robot, narrow: tuple[Scene, Explanation], tmp_path: Path
+) -> None:
     scene, _ = narrow
     result = pinograsp.plan(toy, scene, "ball", starts=6, workers=1)
-    file = Path("result.json")
+    file = tmp_path / "result.json"
     pinograsp.write_json(result, file)
     again = pinograsp.read_json(file)
     assert again == result
@@ -223,18 +225,18 @@ def test_an_explanation_survives_the_file_of_its_result(toy: Robot, narrow: tupl
     assert again.explanation is not None
     assert again.explanation.nearest_miss is not None
     assert again.explanation.nearest_miss.setup is again.setup
-    pinograsp.visualization.write_html(again, "miss.html")
-    page = Path("miss.html").read_text()
+    pinograsp.visualization.write_html(again, tmp_path / "miss.html")
+    page = (tmp_path / "miss.html").read_text()
     assert "<h1>Nearest miss</h1>" in page
     assert "Not verified." in page
     assert "What kept starts from a grasp" in page
 
 
-def test_results_with_grasps_have_no_explanation(toy: Robot, room: Scene) -> None:
+def test_results_with_grasps_have_no_explanation(toy: Robot, room: Scene, tmp_path: Path) -> None:
     result = pinograsp.plan(toy, room, "ball", starts=2, workers=1)
     assert result.explanation is None
-    pinograsp.write_json(result, "result.json")
-    assert "explanation" not in json.loads(Path("result.json").read_text())
+    pinograsp.write_json(result, tmp_path / "result.json")
+    assert "explanation" not in json.loads((tmp_path / "result.json").read_text())
     works = explained(toy, room)
     assert (works.verified, works.remedies, works.causes) == (6, (), ())
 
