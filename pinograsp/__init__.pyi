@@ -83,6 +83,7 @@ from .onboarding.new import HandMount as HandMount
 from .onboarding.new import new_robot_file as new_robot_file
 from .planning.one_shot import check as check
 from .planning.one_shot import contacts as contacts
+from .planning.one_shot import explain as explain
 from .planning.one_shot import plan as plan
 from .planning.session import Planner as Planner
 from .problem.proposals import ContactPair as ContactPair
@@ -91,6 +92,9 @@ from .results.configuration_check import ConfigurationCheck as ConfigurationChec
 from .results.criteria import CRITERIA as CRITERIA
 from .results.criteria import Criterion as Criterion
 from .results.different import Different as Different
+from .results.explanation import Cause as Cause
+from .results.explanation import Explanation as Explanation
+from .results.explanation import Remedy as Remedy
 from .results.grasp import Contact as Contact
 from .results.grasp import Cost as Cost
 from .results.grasp import Grasp as Grasp

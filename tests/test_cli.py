@@ -255,8 +255,8 @@ def test_a_name_of_the_longest_can_be_written(planned: pinograsp.Result, tmp_pat
 
 
 def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:
-    # Fingers 60 mm above the floor cannot hold a sphere whose equator is 37 mm above it.
-    (tmp_path / "scene.yaml").write_text(changed(SCENE, "{enclosure: 0.005", "{enclosure: 0.06"))
+    # Fingers 50 mm above the floor cannot hold a sphere whose equator is 37 mm above it.
+    (tmp_path / "scene.yaml").write_text(changed(SCENE, "{enclosure: 0.005", "{enclosure: 0.05"))
     code, output, errors = run("plan", "scene.yaml", "--task", "sphere", "--starts", 4, "--workers", 1)
     assert code == 1
     assert errors == ""
@@ -271,17 +271,18 @@ def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) ->
         starts = "1 start" if blocked.starts == 1 else f"{blocked.starts} starts"
         assert f"blocked by {kind}: {starts}, nearest miss" in output
     assert "wall z=-0.237" in output
-    assert not (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").exists()
+    assert "<h1>Nearest miss</h1>" in (tmp_path / "out" / "glovebox_sphere_gen3_2f85.html").read_text()
 
 
 def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:
-    text = changed(changed(SCENE, "max: [1.10,", "max: [9.0,"), "[0.801, 0.020", "[5.0, 0.020")
+    text = changed(SCENE, "    object: sphere", "    start_radius: 0.001\n    object: sphere")
     (tmp_path / "scene.yaml").write_text(text)
     code, output, errors = run("plan", "scene.yaml", "--task", "sphere", "--starts", 6, "--workers", 2)
     assert code == 1
     assert "No verified grasp was found." in output
     reason = "no start was found: the database has no configuration that suits the task and has the wrist "
-    reason += "within 0.3 m (start_radius) of the object"
+    reason += "within 0.001 m (start_radius) of the object; the nearest has it 0.01 m away: move the object 0.01 m or "
+    reason += "more towards the arm, or give a larger start_radius"
     assert errors == f"warning: {reason}\n"
     result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere_gen3_2f85.json")
     assert (result.warnings, result.done, result.blocked) == ((reason,), 0, {})

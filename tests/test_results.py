@@ -732,7 +732,7 @@ def test_words_about_the_starts(setup: Setup) -> None:
 )
 def test_a_result_says_why_there_were_few_starts(setup: Setup, found: int, rows: int, said: str) -> None:
     run = Run(setup, {}, 12, ("odd",), facts={"database": {"rows": rows}})
-    run.count_starts(found, 0.3)
+    run.count_starts(found, 0.3, 0.25)
     first, *others = run.result(()).warnings
     assert first == "odd"
     assert [other.startswith(said) for other in others] == ([True] if said else [])

@@ -1,4 +1,4 @@
-"""The command line: `pinograsp plan | check | rank | show | verify | assess | hold | robot | database | list | schema`.
+"""The command line: `pinograsp plan | why | check | rank | show | verify | assess | hold | robot | database | ...`.
 
 One module for a command, a thin cover over the public API; `commands` brings them together. No module here imports a
 library of robots, geometry or databases when it is loaded: `pinograsp` loads what a name needs when the name is used,

@@ -12,7 +12,7 @@ import typer
 import pinograsp
 
 from ..errors import PinograspError
-from . import assess, check, contacts, database, hold, listing, plan, rank, robot, show, verify
+from . import assess, check, contacts, database, hold, listing, plan, rank, robot, show, verify, why
 from .arguments import FAULT, WRONG_USE, group, help_alone
 from .terminal import fail, spelled_streams
 
@@ -40,7 +40,7 @@ def pinograsp_command(
     help_alone(context)
 
 
-for module in (plan, check, contacts, rank, show, verify, assess, hold, robot, database, listing):
+for module in (plan, why, check, contacts, rank, show, verify, assess, hold, robot, database, listing):
     module.register(app)
 
 

@@ -98,9 +98,10 @@ def plan(
     after the other and briefly, and ends as well where no grasp can be better. Models and the start database count
     among the seconds of the deadline.
 
-    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Ctrl-C and
-    SIGTERM end the search and write what was found until then. Where no page is written, that of an earlier plan is
-    removed. With --json the document is that of the JSON file.
+    They are written as JSON and the best one as a page: <scene>_<task>_<robot>.json and .html. Where none was found the
+    page shows the posture that came nearest to one. Ctrl-C and SIGTERM end the search and write what was found until
+    then. Where no page is written, that of an earlier plan is removed. With --json the document is that of the JSON
+    file.
 
     Exit codes: 0 grasps were found, 1 none was found, 130 and 143 interrupted.
     """
@@ -154,7 +155,8 @@ def _files(result: pinograsp.Result, folder: Path, rank_by: str, html: bool) -> 
     file = folder / file_name(result.scene, result.task, result.robot, suffix="json")
     yield save(file, lambda: pinograsp.write_json(result, file))
     page, caption = file.with_suffix(".html"), outcome_lines(result)[0]
-    if not html or result.best is None:  # one that is there shows the grasps of a file that is no more
+    missed = None if result.explanation is None else result.explanation.nearest_miss
+    if not html or (result.best is None and missed is None):  # one that is there shows a file that is no more
         yield from remove(page)
     else:
         yield save(page, lambda: pinograsp.visualization.write_html(result, page, caption=caption, by=rank_by))
@@ -173,6 +175,8 @@ def _report(result: pinograsp.Result, terminal: Terminal, rank_by: str) -> None:
         terminal.say(typer.style("No verified grasp was found.", bold=True))
     for line in outcome_lines(result):
         terminal.say(line)
+    if not result.grasps and not result.interrupted:
+        terminal.say("what would help: pinograsp why, with the same scene, task and robot")
     text = f"{result.times['total']:.1f} s in all"
     if result.done:
         solver, check = 1e3 * result.times["solver_mean"], 1e3 * result.times["verification_mean"]

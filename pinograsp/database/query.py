@@ -136,6 +136,17 @@ def spread_configurations(
     return _fetch(database, sql, values)
 
 
+def nearest_wrist(database: Database, point: Numbers) -> float:
+    """Return the distance of the nearest wrist position from a point, world, shape (3,), m; infinite if there is none.
+
+    Raises:
+        InputError: a number is not finite.
+    """
+    values = dict(zip("abc", real_array("point", point, 3).tolist(), strict=True))
+    square = database.select("SELECT min((x - $a) ** 2 + (y - $b) ** 2 + (z - $c) ** 2) FROM configurations", values)
+    return math.inf if square[0][0] is None else math.sqrt(square[0][0])
+
+
 def _condition(
     database: Database, center: Numbers, extent: float | Numbers, cone: DirectionCone | None, joints: Intervals
 ) -> tuple[str, dict[str, Any]]:

@@ -2,11 +2,13 @@
 
 Nothing here knows robots or geometry: a grasp is its contact points, normals and hand Jacobians
 (`contacts`), from which `statics` builds G, J, K, G_K^R, F_s, E_s, `barrier` the function V, `forces` its
-minimiser y*, `bound` what no V* is below, and `sensitivity` the derivatives of V* and of the wrench residual.
+minimiser y*, `bound` what no V* is below,
+`carrying` what loads contacts can carry, and `sensitivity` the derivatives of V* and of the wrench residual.
 """
 
 from .barrier import ForceLimits
 from .bound import least_cost, least_cost_parallel
+from .carrying import carried, greatest_force, greatest_force_parallel
 from .contacts import ContactDerivatives, ContactModels, Contacts
 from .forces import ForceSolution, solve_forces
 from .sensitivity import force_cost_gradient, residual_gradient
@@ -21,8 +23,11 @@ __all__ = [
     "Hand",
     "Load",
     "Statics",
+    "carried",
     "force_cost_gradient",
     "grasp_statics",
+    "greatest_force",
+    "greatest_force_parallel",
     "least_cost",
     "least_cost_parallel",
     "residual_gradient",

@@ -4,3 +4,5 @@ DEFAULT_STARTS = 1304
 """Number of starts: the paper's."""
 PROPOSED = 24
 """Pairs of contacts that are proposed to starts where a task desires none."""
+EXPLAINED, EXPLAIN_SECONDS = 64, 30.0
+"""Starts of a plan that is explained, and time for remedies, s."""

@@ -15,8 +15,9 @@ from ..problem.proposals import ContactPair
 from ..progress import Report, no_report
 from ..results import Result
 from ..results.configuration_check import ConfigurationCheck
+from ..results.explanation import Explanation
 from ..solve.options import SolverOptions
-from .defaults import DEFAULT_STARTS, PROPOSED
+from .defaults import DEFAULT_STARTS, EXPLAIN_SECONDS, EXPLAINED, PROPOSED
 from .own_configuration import Configuration
 from .session import Planner
 
@@ -70,6 +71,46 @@ def plan(
         progress=progress,
     ) as planner:
         return planner.plan(task, starts=starts, seed=seed)
+
+
+def explain(
+    robot: Robot,
+    scene: Scene,
+    task: str,
+    *,
+    starts: int = EXPLAINED,
+    seed: int = 0,
+    deadline: float = EXPLAIN_SECONDS,
+    workers: int | None = None,
+    database: Database | Path | str | None = None,
+    options: SolverOptions | None = None,
+    progress: Report = no_report,
+) -> Explanation:
+    """Return why a task finds no grasp, and the least changes that make it work: `Planner.explain`.
+
+    Causes and the nearest miss are those of a plan. A remedy is the least change of its kind (move the object or what
+    is in its way, smaller margins, a lighter load, a wider jaw, a larger region) with which a start of a short plan is
+    verified; a longer plan with another seed verified it. Ctrl-C and the deadline end the search for remedies, and
+    keep those that were found until then.
+
+    Args:
+        robot: from `load_robot`; it is mounted where the scene says.
+        scene: from `load_scene`.
+        task: name of a task of the scene.
+        starts: of the plan that is explained.
+        seed: of the choice of starts.
+        deadline: time for remedies, s.
+        workers: number of processes of the plan; None: one for each core.
+        database: where the starts come from; None: a small one in the user's cache folder, built on first use.
+        options: how each start is solved.
+        progress: called as the work goes on, stage by stage (see `Planner`), last with the stage `remedies`.
+
+    Raises:
+        InputError: as `plan`; but a task that is refused because it cannot work is explained.
+    """
+    session = Planner(robot, scene, database=database, workers=workers, options=options, progress=progress)
+    with session as planner:
+        return planner.explain(task, starts=starts, seed=seed, deadline=deadline)
 
 
 def check(robot: Robot, scene: Scene, task: str, joints: Configuration) -> ConfigurationCheck:

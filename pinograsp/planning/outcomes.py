@@ -14,6 +14,7 @@ from ..database.store import Database, identity_of
 from ..descriptions.robot_files import Hashes
 from ..progress import Progress
 from ..results import WITHSTAND, Blocked, Grasp, Result, Setup, merge
+from ..results.explanation import Explanation
 from ..results.provenance import provenance
 from ..solver_words import Outcome
 from ..units import in_si
@@ -55,12 +56,13 @@ class Run:
         best = {"best U": self.best_U} if self.verified else {}
         return Progress("starts", len(self.attempts), total, {"verified": self.verified, **best})
 
-    def count_starts(self, found: int, radius: float) -> None:
+    def count_starts(self, found: int, radius: float, nearest: float) -> None:
         """Warn where fewer starts were found in the database than asked for.
 
         Args:
             found: number of them.
             radius: of the region around the object where they were looked for, m.
+            nearest: distance of the nearest wrist of the database from the object, m.
         """
         if found == self.starts:
             return
@@ -69,6 +71,12 @@ class Run:
         reason += f"within {radius:g} m (start_radius) of the object"
         if not self.facts["database"]["rows"]:
             reason = EMPTY
+        elif nearest > radius:
+            lacking = math.ceil(100.0 * (nearest - radius)) / 100
+            reason += (
+                f"; the nearest has it {nearest:.2f} m away: move the object {lacking:.2f} m or more towards the arm, "
+            )
+            reason += "or give a larger start_radius"
         self.warnings += (f"{few}: {reason}",)
 
     def count_tried(self, deadline: float | None) -> None:
@@ -96,11 +104,12 @@ class Run:
         """Return the grasps that were found, near-identical ones as one."""
         return merge([attempt.grasp for attempt in self.attempts if attempt.grasp])
 
-    def result(self, grasps: tuple[Grasp, ...]) -> Result:
+    def result(self, grasps: tuple[Grasp, ...], explanation: Explanation | None = None) -> Result:
         """Return the result of what was tried.
 
         Args:
             grasps: the distinct ones with all their figures, in the default order.
+            explanation: why there are none.
         """
         attempts = self.attempts
         outcomes = Counter(attempt.solution.outcome for attempt in attempts)
@@ -112,6 +121,7 @@ class Run:
             verified=sum(1 for attempt in attempts if attempt.grasp),
             refuted=sum(1 for attempt in attempts if _refuted(attempt)),
             blocked=blocked(attempts),
+            explanation=explanation,
             interrupted=self.interrupted,
             warnings=self.warnings,
             times=self.times | _times(attempts),
@@ -152,7 +162,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
     for attempt in sorted(attempts, key=lambda a: a.solution.start):
         if attempt.grasp:
             continue
-        kind, miss, unit, where = _obstacle(attempt)
+        kind, miss, unit, where = obstacle_of(attempt)
         known = found.get(kind)
         if known is None or miss < known.nearest_miss:
             found[kind] = Blocked((known.starts if known else 0) + 1, miss, unit, where)
@@ -161,7 +171,7 @@ def blocked(attempts: Sequence[Attempt]) -> dict[str, Blocked]:
     return found
 
 
-def _obstacle(attempt: Attempt) -> tuple[str, float, str, str]:
+def obstacle_of(attempt: Attempt) -> tuple[str, float, str, str]:
     """Return kind, violation, unit and place of what kept an attempt from being verified."""
     if attempt.certificate is not None:
         figure = attempt.certificate.refuted_by[0]

@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
+from ..database.query import nearest_wrist
 from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import Pose
@@ -29,6 +30,7 @@ from ..problem.proposals import Candidate, ContactPair, Proposals
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
+from ..results.explanation import Explanation
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions
 from ..solve.pair_trials import PairTrials
@@ -47,11 +49,13 @@ from .attempt import (
 )
 from .bound import least_U
 from .databases import Databases
-from .defaults import DEFAULT_STARTS, PROPOSED
+from .defaults import DEFAULT_STARTS, EXPLAIN_SECONDS, EXPLAINED, PROPOSED
 from .grading import all_graded, graded
 from .meshes import prepare_meshes
+from .misses import explanation_of
 from .outcomes import Run, facts_of
 from .own_configuration import Configuration, checked
+from .why import explained
 
 NEAREST = 400
 """Starts that a search for single grasps tries at most."""
@@ -190,7 +194,8 @@ class Planner:
                 run.times["database"] = time.perf_counter() - began - run.times["prepare"]
                 postures = starts_near(database, model, starts, seed)
             run.facts["database"] = facts_of(database)
-            run.count_starts(len(postures), model.task.start_radius)
+            nearest = nearest_wrist(database, model.load.center_of_mass)
+            run.count_starts(len(postures), model.task.start_radius, nearest)
             run.times["starts"] = time.perf_counter() - began - sum(run.times.values())
             solver_of = partial(LocalSolver, options=self._options)
             prepare = partial(attempts_of, model, solver_of)
@@ -207,7 +212,7 @@ class Planner:
         run.interrupted |= not whole
         run.count_graded(grasps)
         run.times |= {"resistance": time.perf_counter() - searched, "total": time.perf_counter() - began}
-        return run.result(grasps)
+        return run.result(grasps, self._explained(model, run))
 
     def grasps(self, task: str, *, most: int | None = None, deadline: float | None = None) -> Iterator[Grasp]:
         """Yield verified grasps as they come, in this process, from the starts whose hand is nearest to the object.
@@ -261,7 +266,37 @@ class Planner:
             taken()
             run.interrupted = True
         run.times["total"] = time.perf_counter() - began
-        return run.result(run.distinct())
+        return run.result(run.distinct(), self._explained(model, run))
+
+    def explain(
+        self, task: str, *, starts: int = EXPLAINED, seed: int = 0, deadline: float = EXPLAIN_SECONDS
+    ) -> Explanation:
+        """Return why a task finds no grasp, and the least changes that make it work.
+
+        Each remedy was found by short plans and verified by a longer one with another seed. Ctrl-C and the deadline
+        end the search for them, and keep those that were found until then.
+
+        Args:
+            task: name of a task of the scene.
+            starts: of the plan that is explained.
+            seed: of the choice of starts.
+            deadline: time for remedies, s.
+
+        Raises:
+            InputError: as `plan`; but a task that is refused because it cannot work is explained.
+        """
+        deadline = real_number("deadline", deadline, 0.0)
+        return explained(
+            self._robot,
+            self._scene,
+            task,
+            lambda: self.plan(task, starts=starts, seed=seed),
+            lambda: self._databases.of(self._scene, self._scene.task(task).margin),
+            options=self._options,
+            seed=seed,
+            deadline=deadline,
+            report=self._report,
+        )
 
     def move(self, name: str, pose: Pose | Rows) -> None:
         """Put an object of the scene at another pose; nothing is rebuilt.
@@ -321,6 +356,12 @@ class Planner:
         check_placement(self._scene, task)  # before the convex pieces, which take long on a new machine
         model = self._model(task)
         return model, tuple(check_task(model))
+
+    def _explained(self, model: TaskModel, run: Run) -> Explanation | None:
+        """Return why a run found no grasp, if it tried some starts and found none."""
+        if run.verified or not run.attempts:
+            return None
+        return explanation_of(model, verifier_of(model), run.attempts)
 
     def _setup(self, task: str) -> Setup:
         return Setup(self._robot.description, self._scene, task)

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from itertools import product
-
-import coal
 import numpy as np
 
-from ..collision.solids import distance_request, scene_body
 from ..descriptions import Scene, Task
-from ..descriptions.scene import Body
 from ..descriptions.shapes import Compound, Mesh
 from ..errors import TaskError
 from ..geometry.shapes import Surface, surface_of
-from ..geometry.tessellation import refined
-from ..kinematics.hand_posture import widest_jaw
 from .angle_findings import angle_findings
+from .loads import check_load
 from .mesh_findings import mesh_findings
+from .openings import check_openings
+from .overlaps import depth_in
 from .regions import check_region
+from .standing import check_standing
 from .task_model import TaskModel
 
 TOLERANCE = 1e-4
 """How far a desired point may be off the surface, and an object beyond a wall, m."""
 OVERLAP = 1e-3
 """How deep an object may be in an obstacle or another object, m: poses are measured, and what stands touches."""
-APART = 0.004
-"""Longest edge of triangles at whose corners a mesh and another body are looked at for overlaps, m."""
 
 
 def check_placement(scene: Scene, task_name: str) -> None:
@@ -49,7 +44,7 @@ def check_task(model: TaskModel) -> list[str]:
 
     Raises:
         TaskError: the number of desired contacts is not that of the pads, the jaw does not open wide enough for them,
-            or no contact can be made in the contact region.
+            no contacts carry the load, or none can be made in the contact region.
     """
     pads = len(model.robot.description.pads)
     if model.task.desired_contacts is not None and len(model.desired_points) != pads:
@@ -59,10 +54,15 @@ def check_task(model: TaskModel) -> list[str]:
             key=f"tasks.{model.task_name}.desired_contacts",
             remedy="Give one for each pad",
         )
-    if model.task.desired_contacts is not None:  # else what is proposed fits the jaw
-        _jaw_wide_enough(model)
-    odd = [*angle_findings(model.scene, model.robot.description), *mesh_findings(model.scene, model.task)]
-    return [*odd, *_center_of_mass_odd(model), *check_region(model)]
+    return [
+        *angle_findings(model.scene, model.robot.description),
+        *mesh_findings(model.scene, model.task),
+        *_center_of_mass_odd(model),
+        *check_openings(model),
+        *check_load(model),
+        *check_region(model),
+        *check_standing(model),
+    ]
 
 
 def _center_of_mass_odd(model: TaskModel) -> list[str]:
@@ -107,7 +107,7 @@ def _object_apart(scene: Scene, task: Task) -> None:
     name, depths = task.object, dict[str, float]()
     target = scene.objects[name]
     for other, body in scene.bodies_besides(task).items():
-        depths[other] = _depth(target, body)
+        depths[other] = depth_in(target, body)
     other = max(depths, key=depths.__getitem__, default="")
     if other and depths[other] > OVERLAP:
         kind = "object" if other in scene.objects else "obstacle"
@@ -117,30 +117,6 @@ def _object_apart(scene: Scene, task: Task) -> None:
             key=f"objects.{name}.pose",
             remedy=f"Move one of them; they may touch, and overlap by {1e3 * OVERLAP:g} mm",
         )
-
-
-def _depth(first: Body, second: Body) -> float:
-    """Return how far one body must be moved to be clear of the other, m; negative: their distance, or less."""
-    surfaces = [surface_of(body.shape) for body in (first, second)]
-    apart = np.linalg.norm(first.pose.matrix[:3, 3] - second.pose.matrix[:3, 3]) - sum(s.radius for s in surfaces)
-    if apart > 0.0:
-        return -float(apart)
-    if any(surface.uneven for surface in surfaces):
-        return max(_points_inside(first, second), _points_inside(second, first))
-    request = distance_request()
-    distances = []
-    one, two = scene_body("target", "", first), scene_body("obstacle", "", second)
-    for a, b in product(one.solids, two.solids):
-        poses = [coal.Transform3s(T[:3, :3], T[:3, 3]) for T in (one.pose @ a.placement, two.pose @ b.placement)]
-        distances.append(coal.distance(a.shape, poses[0], b.shape, poses[1], request, coal.DistanceResult()))
-    return -float(min(distances))
-
-
-def _points_inside(first: Body, second: Body) -> float:
-    """Return how deep points on one body are in the other, m; negative: how far they are from it."""
-    points = refined(surface_of(first.shape).tessellation(), APART).vertices
-    T = np.linalg.inv(second.pose.matrix) @ first.pose.matrix
-    return -float(surface_of(second.shape).signed_distance(points @ T[:3, :3].T + T[:3, 3])[0].min())
 
 
 def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None:
@@ -156,16 +132,4 @@ def _contacts_on_surface(scene: Scene, task_name: str, surface: Surface) -> None
             file=scene.source,
             key=f"tasks.{task_name}.desired_contacts[{worst}]",
             remedy="Desired contacts are points of the surface, in the object's frame, in metres",
-        )
-
-
-def _jaw_wide_enough(model: TaskModel) -> None:
-    widest = widest_jaw(model.robot)
-    if len(model.robot.pads) == 2 and widest is not None and widest < model.surface.least_width:
-        raise TaskError(
-            f"the pads open to {1e3 * widest:.1f} mm, but {model.task.object!r} is at least "
-            f"{1e3 * model.surface.least_width:.1f} mm wide",
-            file=model.scene.source,
-            key=f"objects.{model.task.object}.shape",
-            remedy="Use a larger gripper or a smaller object",
         )

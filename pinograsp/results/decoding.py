@@ -42,7 +42,8 @@ def decode_by_types(data: dict[str, Any]) -> Result:
         InputError: something is missing or unknown, or of another kind; the key is its path.
     """
     part({"digest": data.get("digest")}, "digest", Sha256)
-    result: Result = read(Result, {key: value for key, value in data.items() if key not in OWN})
+    content = {key: value for key, value in data.items() if key not in OWN}
+    result: Result = read(Result, {"explanation": None, **content})  # of results with grasps it is left out
     altered = encode_as(result, data)["digest"] != data["digest"]
     return dataclasses.replace(result, altered=altered)
 

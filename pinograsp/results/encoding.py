@@ -19,6 +19,8 @@ FORMAT_VERSION = 4
 def encode(result: Result) -> dict[str, Any]:
     """Return the content of a result's file, its digest included."""
     content = {"format_version": FORMAT_VERSION, **result.to_json()}
+    if result.explanation is None:  # files with grasps are as they were before there were explanations
+        del content["explanation"]
     content["grasps"] = content.pop("grasps")  # behind what is shorter
     return _sealed(content)
 

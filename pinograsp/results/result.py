@@ -13,6 +13,7 @@ from ..frozen import Record
 from ..json_types import Keys, Names, Null, Whole
 from ..solver_words import Outcome
 from .different import Different, different
+from .explanation import Explanation
 from .grasp import Grasp
 from .provenance import Provenance
 from .ranking import FRONT, SCORE, ordered_by, pareto_front
@@ -72,6 +73,9 @@ class Result(Record):
     """Package versions, hashes of the input files, seed and options."""
     warnings: tuple[str, ...] = ()
     """Sentences about what is odd about the task, and about why there were fewer starts than asked for."""
+    explanation: Explanation | None = field(default=None, repr=False)
+    """Why there is no grasp: causes body by body and the nearest miss; None if there are some, or no start was solved.
+    `explain` finds remedies, too."""
     altered: bool = False
     """Whether it was read from a file that somebody changed: the content is not that of the file's digest."""
 
@@ -80,6 +84,8 @@ class Result(Record):
         super().__post_init__()
         grasps = tuple(g if g.setup is self.setup else replace(g, setup=self.setup) for g in self.grasps)
         object.__setattr__(self, "grasps", grasps)
+        if self.explanation is not None:
+            object.__setattr__(self, "explanation", self.explanation.placed(self.setup))
 
     @property
     def robot(self) -> str:

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 
 from ..tables import GAP, Table
 from ..units import shown_in
-from ..verification.certificate import Figure, PairClearance
+from ..verification.certificate import Figure, PairClearance, summary
 from .criteria import CRITERIA, criterion_of, numbers_of
+from .explanation import Cause, Explanation
 from .grasp import Contact, Grasp
 from .ranking import SCORE
 from .result import Result
@@ -140,6 +141,34 @@ def outcome_lines(result: Result) -> list[str]:
         where = f" ({blocked.where})" if blocked.where else ""
         lines.append(f"blocked by {kind}: {_starts(blocked.starts)}, nearest miss {miss}{where}")
     return lines
+
+
+def explanation_lines(explanation: Explanation) -> list[str]:
+    """Return why a task finds no grasp and what would help, in words: bodies, figures, units."""
+    lines = [f"refused: {explanation.refusal}"] if explanation.refusal else []
+    if explanation.verified:
+        lines.append(f"it works: {explanation.verified} of {_starts(explanation.done)} verified")
+    elif not explanation.refusal:
+        lines.append(f"none of {_starts(explanation.done)} verified")
+    lines += [
+        f"{100.0 * cause.share:3.0f} % {cause.kind}: nearest miss {_missed(cause)}" for cause in explanation.causes
+    ]
+    if explanation.nearest_miss is not None:
+        figures = explanation.nearest_miss.certificate.refuted_by
+        lines.append(f"nearest to a grasp: start {explanation.nearest_miss.start}, which lacks {summary(figures)}")
+    for number, remedy in enumerate(explanation.remedies, 1):
+        lines.append(f"remedy {number}: {remedy.text} (then {remedy.verified} of {_starts(remedy.tried)} verified)")
+    if not (explanation.remedies or explanation.verified):
+        lines.append("no single change that was tried helps")
+    if explanation.interrupted:
+        lines.append("the search for remedies was ended before all kinds of changes were tried")
+    return lines
+
+
+def _missed(cause: Cause) -> str:
+    scale, unit = shown_in(cause.unit)
+    miss = f"{scale * cause.nearest_miss:.3g} {unit}".strip()
+    return f"{miss} ({cause.where})" if cause.where else miss
 
 
 def _starts(count: int) -> str:

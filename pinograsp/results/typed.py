@@ -215,5 +215,5 @@ def _rows(data: Any, sizes: tuple[int | None, ...]) -> list[Any]:
     return found
 
 
-_ATOMS: dict[Any, Callable[..., Any]] = {bool: _truth, int: _whole, float: _real, str: _text}
+_ATOMS: dict[Any, Callable[..., Any]] = {bool: _truth, int: _whole, float: _real, str: _text, Any: lambda data: data}
 """By type: its reader."""

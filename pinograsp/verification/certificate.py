@@ -37,10 +37,16 @@ class Figure(Record):
 
     @classmethod
     def of_json(cls, values: Mapping[str, Any]) -> Self:
-        """Return the figure of values by field; a limit that was not finite judges nothing."""
-        unlimited = math.inf if values["sense"] == "at most" else -math.inf
-        limit = values["limit"]
-        return cls(**{**values, "limit": limit if math.isfinite(limit) else unlimited})
+        """Return the figure of values by field, where JSON had null for what was not finite.
+
+        A limit then judges nothing; a length that has to be large is an overlap whose depth is not known.
+        """
+        most, value, limit = values["sense"] == "at most", values["value"], values["limit"]
+        if math.isnan(value) and values["unit"] == "m" and not most:
+            value = -math.inf
+        if math.isnan(limit):
+            limit = math.inf if most else -math.inf
+        return cls(**{**values, "value": value, "limit": limit})
 
     @property
     def holds(self) -> bool:

@@ -16,6 +16,7 @@ FORBIDDEN = 0xD9534F
 APPROACH = 0x8E5BD0
 PAD = 0x17A2B8
 NORMAL = 0xD62728
+OFFENDER = 0xE5383B
 WALL = 0x9DB8D2
 FLOOR = 0xD5DBE2
 EDGE = 0x7C8A99
@@ -39,14 +40,18 @@ REGION_LEGEND = {"contact allowed": ALLOWED, "contact forbidden": FORBIDDEN}
 PAD_LEGEND = {"pad": PAD, "its outward normal": NORMAL, "wrist's z axis, the approach direction": APPROACH}
 
 
-def legend(*, regions: bool, approach: bool, desired: bool = True) -> dict[str, int]:
-    """Return what each colour means, in a task with or without contact regions, approach cone and desired contacts."""
+def legend(*, regions: bool, approach: bool, desired: bool = True, verified: bool = True) -> dict[str, int]:
+    """Return what each colour means, in a task with or without contact regions, approach cone and desired contacts.
+
+    In the picture of a posture that is not verified, what offends has a colour of its own.
+    """
     entries: dict[str, int] = {}
     for text, color in LEGEND.items():
         if color == DESIRED and not desired:
             continue
         entries |= REGION_LEGEND if regions and text == "object" else {text: color}
-    return entries | ({"cone of approach directions": APPROACH} if approach else {})
+    entries |= {"cone of approach directions": APPROACH} if approach else {}
+    return entries | ({} if verified else {"too near to each other, or in each other": OFFENDER})
 
 
 def of_number(number: int) -> int:

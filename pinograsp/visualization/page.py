@@ -57,7 +57,7 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
     scene, task = setup.scene, setup.scene.task(setup.task)
     desired = task.desired_contacts is not None
     panel = (
-        f"<h1>{'Configuration' if grasp.start is None else 'Grasp'}</h1>",
+        f"<h1>{_heading(grasp)}</h1>",
         f"<p>{escape(setup.robot.name)} in {escape(scene.name)}, task {escape(setup.task)}</p>",
         f"<p>{escape(caption)}</p>" if caption else "",
         _refutation(grasp.certificate),
@@ -68,12 +68,23 @@ def grasp_page(commands: list[dict[str, Any]], grasp: Grasp, setup: Setup, capti
         "<table><caption>Contact forces on the object, world frame</caption>",
         "".join(_contact(contact) for contact in grasp.contacts) + "</table>",
         legend(
-            colors.legend(regions=task.contact_region is not None, approach=task.approach is not None, desired=desired)
+            colors.legend(
+                regions=task.contact_region is not None,
+                approach=task.approach is not None,
+                desired=desired,
+                verified=grasp.certificate.verified,
+            )
         ),
         f"<table>{_certificate(grasp.certificate)}</table>",
     )
     views = {"whole-box": whole_box(scene, task), "close-up": close_up(grasp, scene, task)}
     return page(f"{setup.robot.name} / {scene.name} / {setup.task}", "\n".join(panel), commands, views)
+
+
+def _heading(grasp: Grasp) -> str:
+    if grasp.start is None:
+        return "Configuration"
+    return "Grasp" if grasp.certificate.verified else "Nearest miss"
 
 
 def view_button(view: str, label: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 import numpy as np
 import pinocchio as pin
@@ -13,10 +13,19 @@ from ..arrays import Array
 from ..descriptions import RobotDescription
 from ..descriptions.urdf import read_urdf
 from ..errors import InputError
-from .viewer import Visualizer
+from ..verification.robot import read_robot
+from . import colors
+from .symbols import Look, Piece, draw
+from .viewer import Visualizer, geometry
 
 
-def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: Mapping[str, float], mounting: Array) -> None:
+def draw_robot(
+    viewer: Visualizer,
+    robot: RobotDescription,
+    joints: Mapping[str, float],
+    mounting: Array,
+    marked: Set[str] = frozenset(),
+) -> None:
     """Draw the robot below the node `robot`.
 
     Args:
@@ -24,11 +33,27 @@ def draw_robot(viewer: Visualizer, robot: RobotDescription, joints: Mapping[str,
         robot: the robot file.
         joints: every movable joint of the URDF by name, rad (m).
         mounting: pose of the robot's root link in the world, shape (4, 4).
+        marked: links that offend.
 
     Raises:
         InputError: a mesh is missing or unreadable, or a joint has no angle.
     """
     draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting)
+    if marked:
+        _draw_marked(viewer["offenders"], robot, joints, mounting, marked)
+
+
+def _draw_marked(
+    viewer: Visualizer, robot: RobotDescription, joints: Mapping[str, float], mounting: Array, marked: Set[str]
+) -> None:
+    """Draw the collision geometry of links over what is seen of them: visual meshes have colours of their own."""
+    verified = read_robot(robot)
+    poses = verified.kinematics.poses(joints)
+    for name in sorted(marked & verified.meshes.keys()):
+        mesh = verified.meshes[name]
+        triangles = geometry.TriangularMeshGeometry(mesh.vertices, mesh.faces)
+        look = Look(colors.OFFENDER, 0.75, colors.OBJECT_LAYER)
+        draw(viewer[name], Piece(triangles, mounting @ poses[name]), look)
 
 
 def draw_urdf(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from ..descriptions import Scene, Task
@@ -18,12 +20,20 @@ WALL_THICKNESS = 0.004
 EDGE_RADIUS = 0.003
 
 
-def draw_scene(viewer: Visualizer, scene: Scene, task: Task) -> None:
-    """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names."""
-    draw_enclosure(viewer["enclosure"], scene.enclosure)
+def draw_scene(viewer: Visualizer, scene: Scene, task: Task, marked: Collection[str] = ()) -> None:
+    """Draw the enclosure, the task's object and everything to keep clear of below nodes of these names.
+
+    Args:
+        viewer: node of the viewer that holds the world.
+        scene: the scene.
+        task: the task.
+        marked: walls, obstacles and other objects that offend.
+    """
+    draw_enclosure(viewer["enclosure"], scene.enclosure, marked)
     _draw_object(viewer["object"], scene.objects[task.object], scene.region_of(task))
     for name, body in scene.bodies_besides(task).items():
-        draw_body(child(viewer["obstacles"], name), body, Look(colors.OTHER))
+        look = Look(colors.OFFENDER if name in marked else colors.OTHER)
+        draw_body(child(viewer["obstacles"], name), body, look)
 
 
 def _draw_object(node: Visualizer, body: Body, region: Region | None) -> None:
@@ -42,8 +52,9 @@ def draw_body(node: Visualizer, body: Body, look: Look) -> None:
     draw(node, Piece(surface_mesh(surface, surface.tessellation()), body.pose.matrix), look)
 
 
-def draw_enclosure(node: Visualizer, enclosure: Enclosure) -> None:
-    """Draw six thin walls, outside of the room, and their edges; the floor is the least transparent."""
+def draw_enclosure(node: Visualizer, enclosure: Enclosure, marked: Collection[str] = ()) -> None:
+    """Draw six thin walls, outside of the room, and their edges; floor and offenders are the least transparent."""
+    names = iter(enclosure.walls)
     low, high = np.array(enclosure.min), np.array(enclosure.max)
     glass = Look(colors.WALL, 0.10, colors.GLASS_LAYER)
     floor = Look(colors.FLOOR, 0.65, colors.GLASS_LAYER)
@@ -53,6 +64,7 @@ def draw_enclosure(node: Visualizer, enclosure: Enclosure) -> None:
             face = corners[0 if side == "min" else 1][axis]
             corners[0][axis], corners[1][axis] = sorted((face, face + outside))
             is_floor = letter == "z" and side == "min"
-            draw(node[f"wall_{letter}_{side}"], box(*corners), floor if is_floor else glass)
+            look = Look(colors.OFFENDER, 0.35, colors.GLASS_LAYER) if next(names) in marked else None
+            draw(node[f"wall_{letter}_{side}"], box(*corners), look or (floor if is_floor else glass))
     for name, piece in box_edges(low, high, EDGE_RADIUS).items():
         draw(node["edges"][name], piece, Look(colors.EDGE, 0.55, colors.GLASS_LAYER))

@@ -1,0 +1,63 @@
+"""Checks that the contacts can carry the load: whatever the grasp, and at the desired contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import TaskError
+from ..kinematics.hand_posture import always_parallel
+from ..mechanics import carried, greatest_force, greatest_force_parallel
+from .task_model import TaskModel
+
+ROUNDING = 1e-3
+"""Part of a load that is let pass."""
+
+
+def check_load(model: TaskModel) -> list[str]:
+    """Refuse a load that no grasp carries; return what is odd about it at the desired contacts, in words.
+
+    Raises:
+        TaskError: the external force is above what so many contacts carry within friction and force limit.
+    """
+    if not model.task.balance_wrench:
+        return []
+    force, most, why = float(np.linalg.norm(model.load.wrench[:3])), *most_carried(model)
+    if force > (1.0 + ROUNDING) * most:
+        raise TaskError(
+            f"{why} carry at most {most:.3g} N (max_force {model.limits.maximum:g} N, friction "
+            f"{model.limits.friction:g}), the load is {force:.3g} N",
+            file=model.scene.source,
+            key=load_key(model),
+            remedy=f"Give a load of at most {most:.3g} N, or a `contact.max_force` of at least "
+            f"{model.limits.maximum * force / most:.3g} N",
+        )
+    return _at_desired_contacts(model, force)
+
+
+def most_carried(model: TaskModel) -> tuple[float, str]:
+    """Return the greatest force that a grasp may carry, N, and what carries it."""
+    count = len(model.robot.pads)
+    if always_parallel(model.robot) and not model.surface.uneven:  # pads that lie on facets are tilted a little
+        return greatest_force_parallel(model.limits), "two pads that are parallel"
+    return greatest_force(count, model.limits), f"{count} contacts"
+
+
+def load_key(model: TaskModel) -> str:
+    """Return the key of the scene that says how large the load is."""
+    if model.task.wrench is None:
+        return f"objects.{model.task.object}.mass"
+    return f"tasks.{model.task_name}.wrench"
+
+
+def _at_desired_contacts(model: TaskModel, force: float) -> list[str]:
+    """Return what the desired contacts do not carry; contacts elsewhere may."""
+    if not len(model.desired_points) or not np.any(model.load.wrench):
+        return []
+    points, normals = model.desired_points - model.load.center_of_mass, -model.object_surface(model.desired_points)[1]
+    factor = carried(points, normals, model.contact_models, model.limits, model.load.wrench)
+    if factor is None or factor >= 1.0 - ROUNDING:
+        return []
+    part = f"{factor * force:.2g} N" if factor > ROUNDING else "nothing"
+    load = f"{part} of the {force:.3g} N" if force else f"{100 * factor:.0f} % of the torque"
+    remedy = "move them (over or under the centre of mass), or give more `contact.max_force` or friction"
+    return [f"at the desired contacts forces within friction and force limits carry {load}: {remedy}"]
