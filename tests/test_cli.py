@@ -281,7 +281,7 @@ def test_no_start_near_the_object(run: Run, tmp_path: Path) -> None:
     assert code == 1
     assert "No verified grasp was found." in output
     reason = "no start was found: the database has no configuration that suits the task and has the wrist "
-    reason += "within 0.001 m (start_radius) of the object; the nearest has it 0.01 m away: move the object 0.01 m or "
+    reason += "within 0.001 m (start_radius) of the object; the nearest has it 0.03 m away: move the object 0.03 m or "
     reason += "more towards the arm, or give a larger start_radius"
     assert errors == f"warning: {reason}\n"
     result = pinograsp.read_json(tmp_path / "out" / "glovebox_sphere_gen3_2f85.json")

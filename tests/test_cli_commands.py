@@ -417,7 +417,7 @@ def test_plan_with_a_locked_joint_and_a_moved_object(run: Run, gen3: Robot, glov
     pose = (0.8, 0.06, -0.18, 0.0, 0.0, 0.4)
     options = ["--starts", 8, "--workers", 1, "--no-html", "--object-pose", "sphere", *pose, "--lock", "joint_7=0.5"]
     code, output, errors = run("plan", "glovebox", "--task", "sphere", *options)
-    assert (code, errors) == (0, "")
+    assert (code, errors) == (0, "warning: 'sphere' stands on nothing: it is 19.7 mm above 'wall z=-0.237'\n")
     found = pinograsp.read_json(tmp_path / "out" / f"{NAMES}.json")
     assert found.grasps
     for grasp in found.grasps:
@@ -459,7 +459,6 @@ def test_a_changed_result_is_said_to_be(run: Run, file: Path, command: str, tmp_
     data = json.loads(file.read_text())
     data["grasps"] = data["grasps"][:1]
     data["verified"] = data["grasps"][0]["count"]
-    data["grasps"][0]["cost"]["V"] += 1.0
     changed = tmp_path / "changed.json"
     changed.write_text(json.dumps(data))
     options = {"assess": ["--samples", 1, "--workers", 1], "hold": ["--workers", 1]}.get(command, [])

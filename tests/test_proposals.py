@@ -362,7 +362,9 @@ def test_results_say_that_nothing_was_desired(gen3: Robot, glovebox: Scene, tmp_
     assert contact["desired_point"] is None
     contact["desired_point"] = contact["point"]
     file.write_text(json.dumps(content))
-    assert any("desired_point" in difference.what for difference in pinograsp.verify(pinograsp.read_json(file)))
+    with pytest.raises(InputError, match="the task desires none") as caught:
+        pinograsp.read_json(file)
+    assert caught.value.key == "grasps[0].contacts[0].desired_point"
 
 
 # ---- command line and page

@@ -165,7 +165,7 @@ def walked(held: Any, data: Any, path: str) -> Iterator[str]:
         assert (type(held), held) == (type(data), data), path
 
 
-UNWRITTEN: dict[type, set[str]] = {Result: {"altered"}, Grasp: {"setup"}}
+UNWRITTEN: dict[type, set[str]] = {Result: {"altered", "explanation"}, Grasp: {"setup"}}
 """Fields that JSON data does not have: the setup of a grasp is that of its result."""
 
 

@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
         app,
         "why",
         "pinograsp why my_scene.yaml --task can",
-        "pinograsp why my_scene.yaml --task can --robot my_robot --deadline 120 --out out",
+        "pinograsp why my_scene.yaml --task can --deadline 120 --out out",
     )(why)
 
 

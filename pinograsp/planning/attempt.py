@@ -14,7 +14,7 @@ from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import DesiredPoints, State, TaskModel
-from ..problem.proposals import Candidate
+from ..problem.proposals import Candidate, desired_points
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate
@@ -51,7 +51,7 @@ def items_of(model: TaskModel, postures: Array, candidates: Sequence[Candidate])
     """
     if not candidates:
         return [Item(index, posture) for index, posture in enumerate(postures)]
-    items, pairs = [], [candidate.pair.desired(model) for candidate in candidates]
+    items, pairs = [], [desired_points(candidate.pair, model) for candidate in candidates]
     steps = sorted({len(pairs) * k // TRIED for k in range(TRIED)})
     for index, posture in enumerate(postures):
         own = [(index + step) % len(pairs) for step in steps]

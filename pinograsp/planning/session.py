@@ -26,7 +26,7 @@ from ..execution import GivenExecutor, Workers, own_workers
 from ..interrupts import heard, taken
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
-from ..problem.proposals import Candidate, ContactPair, Proposals
+from ..problem.proposals import Candidate, ContactPair, Proposals, desired_points
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -387,7 +387,7 @@ class Planner:
         hand, index = self._hands[task], self._databases.index(self._scene, model.task.margin)
         if not candidates:
             return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
-        pairs = [candidate.pair.desired(model) for candidate in candidates]
+        pairs = [desired_points(candidate.pair, model) for candidate in candidates]
         points = np.array([pair.points for pair in pairs])
         postures = index.starts(model, hand, points, NEAREST)
         own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
@@ -431,7 +431,7 @@ class Planner:
 
     def _evaluate_once(self, model: TaskModel, candidates: Sequence[Candidate]) -> None:
         """Have everything compiled that evaluations need, here and once, not in every worker."""
-        desired = candidates[0].pair.desired(model) if candidates else None
+        desired = desired_points(candidates[0].pair, model) if candidates else None
         with compiling(self._report):
             problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
             problem.evaluate(0.5 * (problem.lower + problem.upper))

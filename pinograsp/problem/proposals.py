@@ -76,10 +76,11 @@ class ContactPair(Record):
     width: float
     """How far apart the pads are that hold it, m."""
 
-    def desired(self, model: TaskModel) -> DesiredPoints:
-        """Return the points, and that pads are to look at them, where the object of a task stands."""
-        R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
-        return DesiredPoints(self.points @ R.T + origin, self.normals @ R.T)
+
+def desired_points(pair: ContactPair, model: TaskModel) -> DesiredPoints:
+    """Return the points of a pair, and that pads are to look at them, where the object of a task stands."""
+    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
+    return DesiredPoints(pair.points @ R.T + origin, pair.normals @ R.T)
 
 
 Trial = Callable[[ContactPair, Holds], Contacts | None]

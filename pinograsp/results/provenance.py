@@ -48,6 +48,8 @@ class Provenance(TypedDict, total=False):
     deadline: float | None
     options: Options
     database: DatabaseFacts
+    reproduction: Mapping[str, Any]
+    """Of results of the paper's cases: which case it is, and how it was asked for."""
 
 
 def provenance(robot: RobotDescription, scene: Scene, files: Hashes) -> dict[str, Any]:

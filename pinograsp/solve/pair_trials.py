@@ -17,7 +17,7 @@ from ..kinematics.wrist import wrist_pose
 from ..mechanics import Contacts
 from ..problem import GraspProblem, State, TaskModel
 from ..problem.pair_holds import Holds
-from ..problem.proposals import ContactPair
+from ..problem.proposals import ContactPair, desired_points
 from .projection import descend
 
 WAYS = 3
@@ -80,7 +80,7 @@ class PairTrials:
         model, scene = self._model, self._model.scene
         T = wrist_pose(self._configuration) @ holds.T_wrist_pad @ np.linalg.inv(holds.pads[way])
         model = model.moved(model.task.object, scene.with_object_pose(model.task.object, T))
-        problem = GraspProblem(model, tuple(holds.orders[way].tolist()), desired=pair.desired(model))
+        problem = GraspProblem(model, tuple(holds.orders[way].tolist()), desired=desired_points(pair, model))
         x = 0.5 * (problem.lower + problem.upper)
         size = model.robot.arm_size
         x[:size], x[size : model.robot.posture_size] = self._configuration.posture[:size], holds.synergies
