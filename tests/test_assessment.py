@@ -94,7 +94,7 @@ def grasp_of(toy: Robot, setup: Setup) -> Grasp:
         contact_parameters=np.zeros(4),
         internal_forces=np.zeros(1),
         q_r={},
-        cost=Cost(1.0, 1.0, 0.0),
+        cost=Cost(0.0, 0.0, 0.0),
         contacts=contacts,
         certificate=Certificate(()),
         T_world_wrist=np.eye(4),

@@ -478,13 +478,15 @@ def test_collision_element_that_others_pass_over_is_refused(
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
     """An empty cache folder; yields the meshes that are read from now on."""
     monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(cache_folder, "_temporary", cache(lambda: TemporaryDirectory(dir=tmp_path)))
+    temporary = TemporaryDirectory(dir=tmp_path)
+    monkeypatch.setattr(cache_folder, "_temporary", cache(lambda: temporary))
     cover_cache._cached.cache_clear()
     read: list[Path] = []
     reader = cover_cache.read_triangles
     monkeypatch.setattr(cover_cache, "read_triangles", lambda mesh: (read.append(mesh), reader(mesh))[1])
     yield read
     cover_cache._cached.cache_clear()
+    temporary.cleanup()
 
 
 MILLI = (1e-3, 1e-3, 1e-3)

@@ -59,7 +59,7 @@ def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> MakeGrasp:
 
     def make(robot: Robot = toy, shape: str = "sphere", contact: Any = SOFT, **changes: Any) -> Grasp:
         body = {"shape": SHAPES[shape], "pose": {"position": [CENTER, 0.0, 0.22]}}
-        task = TOY_SCENE["tasks"]["ball"] | {"contact_model": contact} | changes
+        task = TOY_SCENE["tasks"]["ball"] | {"contact_model": contact, "desired_contacts": None} | changes
         scene = make_toy_scene(objects={"ball": body}, tasks={"ball": task})
         sides = (("left", 1.0), ("right", -1.0))
         contacts = tuple(
@@ -70,7 +70,7 @@ def make_grasp(toy: Robot, make_toy_scene: SceneFactory) -> MakeGrasp:
                 normal=np.array([side, 0.0, 0.0]),
                 force=np.array([-side * SQUEEZE, 0.0, WEIGHT / 2]),
                 spin_torque=0.0,
-                desired_point=np.zeros(3),
+                desired_point=None,
                 T_world_pad=np.eye(4),
             )
             for name, side in sides
@@ -105,8 +105,8 @@ def grasp(make_grasp: MakeGrasp) -> Grasp:
 @pytest.fixture(scope="module")
 def result(grasp: Grasp) -> Result:
     assert grasp.setup is not None
-    counts = {"converged": 2}
-    return Result(grasp.setup, (grasp, grasp), starts=2, counts=counts, verified=2, refuted=0, blocked={})
+    counts, grasps = {"converged": 2}, tuple(replace(grasp, start=start) for start in range(2))
+    return Result(grasp.setup, grasps, starts=2, counts=counts, verified=2, refuted=0, blocked={})
 
 
 @pytest.fixture(scope="module")
@@ -249,7 +249,7 @@ def test_outcomes_do_not_depend_on_the_run(result: Result, outcome: HoldOutcome)
     seen: list[Progress] = []
     options = HoldOptions(controls=True, first_slip=True)
     found = hold_test(result, workers=2, options=options, progress=seen.append)
-    assert found == (outcome, replace(outcome, grasp=2))
+    assert found == (replace(outcome, start=0), replace(outcome, grasp=2, start=1))
     assert seen == [Progress("grasps", number, 2, {"held": number}) for number in (1, 2)]
     assert len(hold_test(result, 1, workers=1)) == 1
 
