@@ -112,6 +112,11 @@ def watched() -> Iterator[Watch]:
         sys.unraisablehook = hook
 
 
+def asked_to_end() -> bool:
+    """Whether a signal has asked the command to end."""
+    return _watch is not None and _watch.first > 0
+
+
 def exit_code() -> int:
     """Return the exit code of a command that was asked to end and goes on; see `Watch`."""
     return 128 + signal.SIGINT if _watch is None else _watch.exit_code

@@ -225,6 +225,13 @@ def test_an_explanation_survives_the_file_of_its_result(
     assert again.explanation is not None
     assert again.explanation.nearest_miss is not None
     assert again.explanation.nearest_miss.setup is again.setup
+    content = json.loads(file.read_text())
+    content["explanation"]["nearest_miss"]["q_arm"].append(0.0)
+    damaged = tmp_path / "damaged.json"
+    damaged.write_text(json.dumps(content))
+    with pytest.raises(pinograsp.DamagedError) as caught:
+        pinograsp.read_json(damaged)
+    assert caught.value.key == "explanation.nearest_miss.q_arm"
     pinograsp.visualization.write_html(again, tmp_path / "miss.html")
     page = (tmp_path / "miss.html").read_text()
     assert "<h1>Nearest miss</h1>" in page

@@ -97,9 +97,7 @@ def _watched(home: Path) -> None:
     def look(event: str, arguments: tuple[Any, ...]) -> None:
         if event not in _WRITES or not arguments or not isinstance(arguments[0], str | bytes | os.PathLike):
             return
-        if event == "open" and not (
-            isinstance(arguments[2], int) and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
-        ):
+        if event == "open" and not (isinstance(arguments[2], int) and arguments[2] & _TO_WRITE):
             return
         path = os.path.realpath(os.fsdecode(arguments[0]))
         if "__pycache__" in path:  # what Numba and Python keep

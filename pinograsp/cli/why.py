@@ -10,7 +10,7 @@ import typer
 
 import pinograsp
 
-from ..interrupts import exit_code, held
+from ..interrupts import asked_to_end, exit_code, held
 from ..planning.defaults import EXPLAIN_SECONDS, EXPLAINED
 from . import arguments
 from .arguments import as_options, command, given
@@ -86,8 +86,10 @@ def why(
     terminal.find(lambda: {**names, **found.to_json()}, lambda: _report(found, terminal))
     for line in written:
         terminal.say(line)
+    if asked_to_end():
+        raise typer.Exit(exit_code())
     if not (found.verified or found.remedies):
-        raise typer.Exit(exit_code() if found.interrupted and not found.done else NOTHING_HELPS)
+        raise typer.Exit(NOTHING_HELPS)
 
 
 def _files(names: dict[str, str], found: pinograsp.Explanation, folder: Path | None) -> Iterator[str]:

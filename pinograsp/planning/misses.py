@@ -28,14 +28,14 @@ def explanation_of(model: TaskModel, verifier: Verifier, attempts: Sequence[Atte
     """
     verified = sum(1 for attempt in attempts if attempt.grasp)
     return Explanation(
-        causes=causes_of(attempts),
-        nearest_miss=nearest_miss(model, verifier, attempts),
+        causes=_causes(attempts),
+        nearest_miss=_nearest_miss(model, verifier, attempts),
         done=len(attempts),
         verified=verified,
     )
 
 
-def causes_of(attempts: Sequence[Attempt]) -> tuple[Cause, ...]:
+def _causes(attempts: Sequence[Attempt]) -> tuple[Cause, ...]:
     """Return the causes of starts without a grasp, the most frequent first."""
     found: dict[tuple[str, str], Cause] = {}
     for attempt in sorted(attempts, key=lambda a: a.solution.start):
@@ -51,7 +51,7 @@ def causes_of(attempts: Sequence[Attempt]) -> tuple[Cause, ...]:
     return tuple(sorted(found.values(), key=lambda cause: -cause.starts))
 
 
-def nearest_miss(model: TaskModel, verifier: Verifier, attempts: Sequence[Attempt]) -> Grasp | None:
+def _nearest_miss(model: TaskModel, verifier: Verifier, attempts: Sequence[Attempt]) -> Grasp | None:
     """Return the posture that came nearest to a grasp with its certificate; None if the solver failed on every start.
 
     What the check alone refuted is nearer than what the solver found no way for.

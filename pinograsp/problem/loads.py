@@ -21,20 +21,20 @@ def check_load(model: TaskModel) -> list[str]:
     """
     if not model.task.balance_wrench:
         return []
-    force, most, why = float(np.linalg.norm(model.load.wrench[:3])), *most_carried(model)
+    force, most, why = float(np.linalg.norm(model.load.wrench[:3])), *_most_carried(model)
     if force > (1.0 + ROUNDING) * most:
         raise TaskError(
             f"{why} carry at most {most:.3g} N (max_force {model.limits.maximum:g} N, friction "
             f"{model.limits.friction:g}), the load is {force:.3g} N",
             file=model.scene.source,
-            key=load_key(model),
+            key=_load_key(model),
             remedy=f"Give a load of at most {most:.3g} N, or a `contact.max_force` of at least "
             f"{model.limits.maximum * force / most:.3g} N",
         )
     return _at_desired_contacts(model, force)
 
 
-def most_carried(model: TaskModel) -> tuple[float, str]:
+def _most_carried(model: TaskModel) -> tuple[float, str]:
     """Return the greatest force that a grasp may carry, N, and what carries it."""
     count = len(model.robot.pads)
     if always_parallel(model.robot) and not model.surface.uneven:  # pads that lie on facets are tilted a little
@@ -42,7 +42,7 @@ def most_carried(model: TaskModel) -> tuple[float, str]:
     return greatest_force(count, model.limits), f"{count} contacts"
 
 
-def load_key(model: TaskModel) -> str:
+def _load_key(model: TaskModel) -> str:
     """Return the key of the scene that says how large the load is."""
     if model.task.wrench is None:
         return f"objects.{model.task.object}.mass"

@@ -7,10 +7,13 @@ from itertools import product
 import coal
 import numpy as np
 
+from ..arrays import Array
 from ..collision.solids import distance_request, scene_body
 from ..descriptions.scene import Body
+from ..descriptions.shapes import ShapeDescription
 from ..geometry.shapes import surface_of
 from ..geometry.tessellation import refined
+from ..memo import remembered
 
 APART = 0.004
 """Longest edge of triangles at whose corners a mesh and another body are looked at for overlaps, m."""
@@ -35,6 +38,11 @@ def depth_in(first: Body, second: Body) -> float:
 
 def _points_inside(first: Body, second: Body) -> float:
     """Return how deep points on one body are in the other, m; negative: how far they are from it."""
-    points = refined(surface_of(first.shape).tessellation(), APART).vertices
+    points = _points_on(first.shape)
     T = np.linalg.inv(second.pose.matrix) @ first.pose.matrix
     return -float(surface_of(second.shape).signed_distance(points @ T[:3, :3].T + T[:3, 3])[0].min())
+
+
+@remembered
+def _points_on(shape: ShapeDescription) -> Array:
+    return refined(surface_of(shape).tessellation(), APART).vertices

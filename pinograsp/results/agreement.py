@@ -37,10 +37,12 @@ def first_disagreement(result: Result) -> Disagreement | None:
 def _disagreements(result: Result) -> Iterator[Disagreement]:
     for rule in RULES:
         yield from rule(result)
-    for index, grasp in enumerate(result.grasps):
+    grasps = [(f"grasps[{index}]", grasp) for index, grasp in enumerate(result.grasps)]
+    missed = None if result.explanation is None else result.explanation.nearest_miss
+    for name, grasp in [*grasps, ("explanation.nearest_miss", missed)] if missed else grasps:
         for grasp_rule in GRASP_RULES:
             for key, problem in grasp_rule(grasp, result):
-                yield f"grasps[{index}].{key}", problem
+                yield f"{name}.{key}", problem
 
 
 def _references(result: Result) -> Iterator[Disagreement]:

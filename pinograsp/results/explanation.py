@@ -90,7 +90,7 @@ class Explanation(Record):
     """The posture that came nearest to a grasp, not verified: its certificate says what is lacking. `visualization`
     draws it like a grasp, what offends in red."""
     remedies: tuple[Remedy, ...] = ()
-    """Changes that were found to help, the surest first; found by `explain`, not by `plan`."""
+    """Changes that were found to help, in the order of the causes that they answer; `explain` finds them."""
     warnings: tuple[str, ...] = ()
     """Sentences about what is odd about the task."""
     done: int = 0

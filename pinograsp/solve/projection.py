@@ -24,7 +24,7 @@ DONE = 1e-5
 STALLED = 0.05
 """A descent ends after two steps that each lessen the squared residual by less than this part."""
 HOPELESS = 10
-"""The last descent ends after so many trials in a row that have not lessened it by that part, all in all."""
+"""A descent ends after so many trials in a row that have not lessened it by that part, all in all."""
 INITIAL_DAMPING = 40.0
 LEAST_DAMPING = 1e-9
 """With less, where variables move nothing, a step has no solution in floating-point numbers."""
