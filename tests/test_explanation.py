@@ -179,6 +179,19 @@ def test_the_remedy_of_a_load_is_what_can_be_carried(toy: Robot, lighter: tuple[
     assert remedy.text in "\n".join(explanation_lines(explanation))
 
 
+def test_the_remedy_of_a_margin_that_leaves_no_room_is_a_smaller_one(toy: Robot, room: Scene) -> None:
+    """With such a margin the arm is nowhere free: the starts of the trials are those of the usual one."""
+    margins = room.task("ball").margin
+    scene = room.with_task("ball", margin=margins.model_copy(update={"enclosure": 0.5}))
+    explanation = explained(toy, scene)
+    assert "no pad can get there" in explanation.refusal
+    remedy = next(remedy for remedy in explanation.remedies if remedy.kind == "margin")
+    assert 0.0 < remedy.amount <= 0.5
+    changed = remedy.apply(scene)
+    assert changed.task("ball").margin.enclosure == pytest.approx(0.5 - remedy.amount)
+    assert pinograsp.plan(toy, changed, "ball", starts=6, seed=5, workers=1).verified
+
+
 def test_the_remedy_of_an_object_in_an_obstacle_is_to_move_it_out(toy: Robot, room: Scene) -> None:
     front = Body(shape=Box(size=(0.3, 0.02, 0.2)), pose=Pose(position=(0.0, -0.0235, 0.222)))
     scene = room.with_obstacle("front", front)

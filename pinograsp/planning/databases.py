@@ -54,6 +54,19 @@ class Databases:
             self._opened[identity.digest] = opened
         return self._opened[identity.digest]
 
+    def widest(self, scene: Scene, margins: Margins) -> Database:
+        """Return the database for a scene with margins that are smaller or the same: those that are usual, at most.
+
+        From it changes of the margins can be tried, too. It is the one that was given if there is one. Errors as of
+        `of`.
+        """
+        if self._given is None:
+            usual = Margins()
+            margins = margins.model_copy(
+                update={name: min(value, getattr(usual, name)) for name, value in margins.fields().items()}
+            )
+        return self.of(scene, margins)
+
     def index(self, scene: Scene, margins: Margins) -> StartIndex:
         """Return the starts in memory: for every scene with one enclosure the same. Errors as of `of`."""
         indices, database = _indices(self._robot.unmounted), self.of(scene, margins)

@@ -1,7 +1,7 @@
 """The least changes that make a task work, found by short plans, and each verified by another one.
 
-Starts are those of the database of the scene as it was: none has to be built. They keep off walls and obstacles by
-the margins of then: where a change is of these, some starts may be missing, which makes a remedy larger, never wrong.
+Starts are those of one database of the scene as it was, with the usual margins where its own are larger. They keep off
+walls by these: where a change is to smaller ones, some starts may be missing, which makes a remedy larger, never wrong.
 """
 
 from __future__ import annotations

@@ -291,7 +291,7 @@ class Planner:
             self._scene,
             task,
             lambda: self.plan(task, starts=starts, seed=seed),
-            lambda: self._databases.of(self._scene, self._scene.task(task).margin),
+            lambda: self._databases.widest(self._scene, self._scene.task(task).margin),
             options=self._options,
             seed=seed,
             deadline=deadline,
