@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Callable, Mapping
-from hashlib import sha256
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,10 +12,9 @@ import numpy as np
 from .cache_folder import cache_folders, in_cache
 from .disk import write_whole
 from .errors import UnwritableError
+from .seal import sealed, unsealed
 
 Value = TypeVar("Value")
-SEAL = 32
-"""Bytes at the end of a file, the SHA-256 of those before them: NumPy notices damage only here and there."""
 
 
 def kept(
@@ -39,14 +37,13 @@ def kept(
     """
     for place in cache_folders():
         with contextlib.suppress(OSError):
-            whole = (place / folder / f"{name}.npz").read_bytes()
-            content, seal = whole[:-SEAL], whole[-SEAL:]
-            if sha256(content).digest() == seal:
+            content = unsealed((place / folder / f"{name}.npz").read_bytes())
+            if content is not None:  # NumPy notices damage only here and there
                 with np.load(io.BytesIO(content)) as data:
                     return value_of(data)
     made, stream = make(), io.BytesIO()
     np.savez(stream, **arrays_of(made))
-    content = stream.getvalue()
+    content = sealed(stream.getvalue())
     with contextlib.suppress(UnwritableError):  # of a temporary folder, too
-        in_cache(lambda place: write_whole(place / folder / f"{name}.npz", content + sha256(content).digest()))
+        in_cache(lambda place: write_whole(place / folder / f"{name}.npz", content))
     return made

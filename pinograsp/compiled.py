@@ -11,7 +11,6 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from hashlib import sha256
 from pathlib import Path
 from typing import IO, Any, TypeVar, cast
 
@@ -19,12 +18,9 @@ import numba
 from numba.core import caching, event
 
 from .progress import Progress, Report
+from .seal import sealed, unsealed
 
 Function = TypeVar("Function", bound=Callable[..., object])
-
-
-SEAL = 32
-"""Bytes at the end of each file, the SHA-256 of those before them."""
 
 
 def compiled(function: Function) -> Function:
@@ -60,15 +56,14 @@ class _Sealed(caching.IndexDataCacheFile):  # type: ignore[misc]  # Numba has no
         with super()._open_for_write(filepath) as file:
             content = io.BytesIO()
             yield content
-            file.write(content.getvalue() + sha256(content.getvalue()).digest())
+            file.write(sealed(content.getvalue()))
 
 
 def _is_sealed(file: Path) -> bool:
     try:
-        content = file.read_bytes()
+        return unsealed(file.read_bytes()) is not None
     except OSError:
         return False
-    return sha256(content[:-SEAL]).digest() == content[-SEAL:]
 
 
 @contextmanager

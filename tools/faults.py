@@ -207,14 +207,19 @@ def _require_same(file: Path, whole: Any) -> None:
         raise WrongError(f"{len(grasps)} grasps, {len(whole)} without the fault, and not the same")
 
 
-def _check_build(folder: Path, done: Done, number: int | None, whole: Any) -> str:
-    """Return the outcome of a build; the same command goes on."""
-    if number == signal.SIGKILL:
-        return "killed" if done.code < 0 else "was done"
+def _require_interrupted(folder: Path, done: Done, number: int | None) -> None:
+    """Want that a command went on to its end, or ended with one line, and left nothing lying about."""
     done.require(0, *([SAID[number]] if number else []))
     _require_clean(folder)
     if done.code and done.errors.count("error: interrupted") != 1:
         raise WrongError(done.errors)
+
+
+def _check_build(folder: Path, done: Done, number: int | None, whole: Any) -> str:
+    """Return the outcome of a build; the same command goes on."""
+    if number == signal.SIGKILL:
+        return "killed" if done.code < 0 else "was done"
+    _require_interrupted(folder, done, number)
     return "kept" if done.code else "was done"
 
 
@@ -225,10 +230,7 @@ def _check_report(folder: Path, done: Done, number: int | None, whole: Any) -> s
         raise WrongError("the page is not whole")
     if number == signal.SIGKILL:
         return "killed" if done.code < 0 else "was done"
-    done.require(0, *([SAID[number]] if number else []))
-    _require_clean(folder)
-    if done.code and done.errors.count("error: interrupted") != 1:
-        raise WrongError(done.errors)
+    _require_interrupted(folder, done, number)
     return "interrupted" if done.code else "was done"
 
 

@@ -13,10 +13,7 @@ import numpy as np
 
 from ..errors import InputError
 from .pose import Pose
-from .urdf_checks import JOINT_TYPES, number
-
-CAPSULE = ("radius", "length")
-_SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": CAPSULE, "capsule": CAPSULE}
+from .urdf_checks import JOINT_TYPES, SIZES, number
 
 
 def repair(tree: ET.Element, file: Path) -> list[str]:
@@ -110,7 +107,7 @@ def _geometry(link: ET.Element, tag: str, file: Path) -> list[str]:
         if shape is None:
             link.remove(element)
             remarks.append(f"<{tag}> of link {name} without geometry")
-        elif shape.tag in _SIZES and _is_nothing(shape, file, f"link {name}"):
+        elif shape.tag in SIZES and _is_nothing(shape, file, f"link {name}"):
             link.remove(element)
             remarks.append(f"<{shape.tag}> of link {name} without size")
         elif shape.tag == "capsule":
@@ -123,15 +120,15 @@ def _geometry(link: ET.Element, tag: str, file: Path) -> list[str]:
 
 def _is_nothing(shape: ET.Element, file: Path, key: str) -> bool:
     """Whether a shape is a point or a line: there is nothing that could touch."""
-    sizes = [number(text, file, key) for name in _SIZES[shape.tag] for text in shape.get(name, "").split()]
-    if len(sizes) < len(_SIZES[shape.tag]):
+    sizes = [number(text, file, key) for name in SIZES[shape.tag] for text in shape.get(name, "").split()]
+    if len(sizes) < len(SIZES[shape.tag]):
         return False
     return sum(size != 0.0 for size in sizes) < 2 if shape.tag == "box" else sizes[0] == 0.0
 
 
 def _capsule(element: ET.Element, shape: ET.Element, file: Path, key: str) -> list[ET.Element]:
     """Return a capsule as a cylinder, which its length is that of, and two balls at its ends."""
-    sizes = [number(shape.get(name, ""), file, key) for name in CAPSULE]
+    sizes = [number(shape.get(name, ""), file, key) for name in SIZES["capsule"]]
     if min(sizes) <= 0.0:
         problem = f"a <capsule> has radius {sizes[0]:g} and length {sizes[1]:g}"
         raise InputError(problem, file=file, key=key, remedy="Both are wanted, in metres; the length without the caps")
