@@ -18,6 +18,15 @@ def approach_direction(configuration: Configuration) -> tuple[Array, Array]:
     return axis, -skew(axis) @ angular @ robot.B
 
 
+def wrist_jacobian(configuration: Configuration) -> Array:
+    """Return linear (at the wrist's origin) and angular velocity of the wrist in the posture, world, (6, l + s)."""
+    robot = configuration.robot
+    joint = robot.model.frames[robot.wrist_frame].parentJoint
+    jacobian = configuration.jacobian * robot.supports[joint]
+    jacobian[:3] -= skew(wrist_pose(configuration)[:3, 3]) @ jacobian[3:]
+    return np.asarray(jacobian @ robot.B)
+
+
 def wrist_pose(configuration: Configuration) -> Array:
     """Return T_world_wrist, shape (4, 4)."""
     robot = configuration.robot

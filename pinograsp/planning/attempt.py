@@ -13,8 +13,8 @@ from ..arrays import Array
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
-from ..problem import DesiredPoints, State, TaskModel
-from ..problem.proposals import Candidate, desired_points
+from ..problem import Proposal, State, TaskModel
+from ..problem.proposals import Candidate, proposal
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate
@@ -34,8 +34,8 @@ class Item:
     """Its number."""
     posture: Array
     """(q_a, sigma), rad (m), shape (l + s,)."""
-    proposed: tuple[DesiredPoints, ...] = ()
-    """Points that are proposed to it, one after the other; none of a task that desires some."""
+    proposed: tuple[Proposal, ...] = ()
+    """Pairs that are proposed to it, one after the other; none of a task that desires some."""
 
 
 def items_of(model: TaskModel, postures: Array, candidates: Sequence[Candidate]) -> list[Item]:
@@ -51,7 +51,7 @@ def items_of(model: TaskModel, postures: Array, candidates: Sequence[Candidate])
     """
     if not candidates:
         return [Item(index, posture) for index, posture in enumerate(postures)]
-    items, pairs = [], [desired_points(candidate.pair, model) for candidate in candidates]
+    items, pairs = [], [proposal(candidate, model) for candidate in candidates]
     steps = sorted({len(pairs) * k // TRIED for k in range(TRIED)})
     for index, posture in enumerate(postures):
         own = [(index + step) % len(pairs) for step in steps]
@@ -68,10 +68,10 @@ def opened(model: TaskModel, posture: Array, candidate: Candidate) -> Array:
 class Solver(Protocol):
     """Solves a task from one start after another, such as `solve.LocalSolver`."""
 
-    def solve(self, index: int, start: Array, proposed: Sequence[DesiredPoints]) -> Solution:
+    def solve(self, index: int, start: Array, proposed: Sequence[Proposal]) -> Solution:
         """Return where the start of a number, posture (q_a, sigma) of shape (l + s,), leads.
 
-        Points that are proposed to it are tried one after the other; without any it has those that the task desires.
+        Pairs that are proposed to it are tried one after the other; without any it has those that the task desires.
         """
 
 

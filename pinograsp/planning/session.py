@@ -26,7 +26,7 @@ from ..execution import GivenExecutor, Workers, own_workers
 from ..interrupts import heard, taken
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
-from ..problem.proposals import Candidate, ContactPair, Proposals, desired_points
+from ..problem.proposals import Candidate, ContactPair, Proposals, desired_points, proposal
 from ..progress import Report, no_report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -387,8 +387,8 @@ class Planner:
         hand, index = self._hands[task], self._databases.index(self._scene, model.task.margin)
         if not candidates:
             return items_of(model, index.starts(model, hand, model.desired_points[None], NEAREST), ())
-        pairs = [desired_points(candidate.pair, model) for candidate in candidates]
-        points = np.array([pair.points for pair in pairs])
+        pairs = [proposal(candidate, model) for candidate in candidates]
+        points = np.array([pair.desired.points for pair in pairs])
         postures = index.starts(model, hand, points, NEAREST)
         own = hand.misses(postures[:, : model.robot.arm_size], points).argmin(axis=0)
         return [

@@ -11,7 +11,7 @@ from .constraint import Constraint, Inside, Residual, Violation
 from .constraints import CONSTRAINTS
 from .cost import Cost
 from .costs import COSTS
-from .desired import DesiredPoints
+from .desired import DesiredPoints, Hold, Proposal
 from .problem import Evaluation, GraspProblem
 from .state import State
 from .task_model import TaskModel
@@ -24,7 +24,9 @@ __all__ = [
     "DesiredPoints",
     "Evaluation",
     "GraspProblem",
+    "Hold",
     "Inside",
+    "Proposal",
     "Residual",
     "State",
     "TaskModel",

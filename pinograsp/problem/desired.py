@@ -1,4 +1,4 @@
-"""Where contacts are wanted: the desired contacts of a task, or a pair of points that is proposed to one start."""
+"""Where contacts are wanted: the desired contacts of a task, or what is proposed to one start."""
 
 from __future__ import annotations
 
@@ -17,3 +17,24 @@ class DesiredPoints(NamedTuple):
 
     Of the desired contacts of a task those on flat faces and uneven surfaces have one, of points that are proposed all.
     """
+
+
+class Hold(NamedTuple):
+    """A hand that holds a pair of points of an object, with nothing but hand and object in the way."""
+
+    T_wrist: Array
+    """Pose of the wrist, object's frame, or the world's for a start, m, shape (4, 4)."""
+    synergies: Array
+    """Posture of the hand, rad (m), shape (s,)."""
+    parameters: Array
+    """Contact parameters on the pads, shape (v - l - s,)."""
+    assignment: tuple[int, ...]
+    """Point that each pad touches."""
+
+
+class Proposal(NamedTuple):
+    """What is proposed to a start: a pair of points, and hands that hold it."""
+
+    desired: DesiredPoints
+    holds: tuple[Hold, ...] = ()
+    """World; none if the pair was not tried, or no hand came to hold it."""

@@ -39,13 +39,13 @@ from ..geometry.patches import half_sides
 from ..geometry.shapes import Surface, surface_of
 from ..kinematics.reach import arm_reach
 from ..mechanics import Contacts, grasp_statics, solve_forces
-from .desired import DesiredPoints
+from .desired import DesiredPoints, Hold, Proposal
 from .pair_holds import TURNS, HoldFinder, Holds
 from .task_model import TaskModel
 
-DRAWN, DRAWS = 400, 10
+DRAWN, DRAWS = 400, 40
 """Points that are drawn at once, and how often at most."""
-LOOKED_AT = 120
+LOOKED_AT = 480
 """Pairs that are tried with the pads, at most, and as many of those near edges."""
 KEPT = 48
 """Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
@@ -77,13 +77,26 @@ class ContactPair(Record):
     """How far apart the pads are that hold it, m."""
 
 
+def proposal(candidate: Candidate, model: TaskModel) -> Proposal:
+    """Return what is proposed to a start, where the object of a task stands."""
+    holds = [hold._replace(T_wrist=model.T_world_object @ hold.T_wrist) for hold in candidate.held]
+    return Proposal(desired_points(candidate.pair, model), tuple(holds))
+
+
 def desired_points(pair: ContactPair, model: TaskModel) -> DesiredPoints:
     """Return the points of a pair, and that pads are to look at them, where the object of a task stands."""
     R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
     return DesiredPoints(pair.points @ R.T + origin, pair.normals @ R.T)
 
 
-Trial = Callable[[ContactPair, Holds], Contacts | None]
+class Held(NamedTuple):
+    """A hand that holds a pair, object's frame."""
+
+    hold: Hold
+    contacts: Contacts
+
+
+Trial = Callable[[ContactPair, Holds], tuple[Held, ...]]
 
 
 class Candidate(NamedTuple):
@@ -93,6 +106,8 @@ class Candidate(NamedTuple):
     holds: Holds
     roomy: bool
     """Whether it is far from edges, and may be in the middle of a pad."""
+    held: tuple[Hold, ...] = ()
+    """Hands that hold it, object's frame; none if it was not tried."""
 
 
 class Proposals:
@@ -117,8 +132,8 @@ class Proposals:
                 remedy="Give a desired contact for each pad, or name two of them in `pads`",
             )
         self._model, self._trial = model, trial
-        self._held: dict[int, Contacts | None] = {}
-        """By number of the candidate: contacts of the hand that holds it, object's frame; None where it is not held."""
+        self._held: dict[int, tuple[Held, ...]] = {}
+        """By number of the candidate: hands that hold it."""
         self._finder = HoldFinder(model)
         self._tilt = PARALLEL
         if model.surface.uneven:
@@ -146,7 +161,7 @@ class Proposals:
         free: list[Candidate] = []
         for best in sorted(set(grades), reverse=True):
             if len(free) < ENOUGH:
-                free += [self.candidates[i] for i, grade in zip(there, grades, strict=True) if grade == best]
+                free += [self._with_holds(i) for i, grade in zip(there, grades, strict=True) if grade == best]
         if free:
             return tuple(free[:most])
         raise TaskError(
@@ -157,6 +172,10 @@ class Proposals:
             remedy="Move the object, or widen `approach` if the task has one",
         )
 
+    def _with_holds(self, number: int) -> Candidate:
+        """Return the candidate of a number with the hands that hold it, as far as it was tried."""
+        return self.candidates[number]._replace(held=tuple(held.hold for held in self._held.get(number, ())))
+
     def _grades(self, model: TaskModel, numbers: Sequence[int], most: int) -> list[int]:
         """Return how well candidates of some numbers suit: 3 is best, 0 what slips or is near edges.
 
@@ -166,12 +185,12 @@ class Proposals:
         for i, number in enumerate(numbers[:TRIALS]):
             if good == most:
                 break
-            pair, holds, roomy = self.candidates[number]
+            pair, holds, roomy, _ = self.candidates[number]
             if number not in self._held:
                 self._held[number] = self._trial(pair, holds)
-            contacts = self._held[number]
-            if contacts is not None:
-                grades[i] = 2 + int(roomy) if _bears(model, contacts) else 0
+            if self._held[number]:
+                bears = any(_bears(model, held.contacts) for held in self._held[number])
+                grades[i] = 2 + int(roomy) if bears else 0
                 good += grades[i] > 1
         return grades
 

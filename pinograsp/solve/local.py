@@ -5,21 +5,24 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 
 from ..arrays import Array
-from ..problem import DesiredPoints, GraspProblem, State, TaskModel, Violation
+from ..kinematics.wrist import wrist_pose
+from ..problem import DesiredPoints, GraspProblem, Proposal, State, TaskModel, Violation
 from ..solver_words import Outcome
 from .backends import Limits, Stop, backend_of
+from .held_hand import brought, turned
 from .options import SolverOptions
 from .polish import polished
-from .projection import initial_guesses, nearest_assignment
+from .projection import descend, initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
 NEAR = 0.02
 """Norm of the scaled residual up to which a projected start is solved from before it is projected onto other pairs."""
+HOLDS = 2
 GUESSES = 8
 """Points that a start with several pairs is projected to, at most."""
 
@@ -72,22 +75,24 @@ class LocalSolver:
             self._problems[key] = GraspProblem(self._model, assignment, desired=desired)
         return self._problems[key]
 
-    def solve(self, index: int, start: Array, proposed: Sequence[DesiredPoints] = ()) -> Solution:
+    def solve(self, index: int, start: Array, proposed: Sequence[Proposal] = ()) -> Solution:
         """Solve from one start.
 
         Args:
             index: number of the start.
             start: posture (q_a, sigma), shape (l + s,).
-            proposed: points that are proposed to it, one after the other: where those before lead nowhere; none: it
+            proposed: pairs that are proposed to it, one after the other: where those before lead nowhere; none: it
                 has those that the task desires.
         """
         began = time.perf_counter()
-        first = self.problem(tuple(range(len(self._model.robot.pads))), next(iter(proposed), None))
+        first = self.problem(tuple(range(len(self._model.robot.pads))), proposed[0].desired if proposed else None)
         centers = 0.5 * (first.lower + first.upper)[self._model.robot.posture_size :]
         x = np.clip(np.concatenate([start, centers]), first.lower, first.upper)
         runs = []
-        guesses = self._guesses(first.state(x), proposed or (None,))
-        for problem, guess in islice(guesses if len(proposed) < 2 else _nearest_first(guesses), self._options.tries):
+        start = first.state(x)
+        guesses = self._guesses(start, [pair.desired for pair in proposed] or (None,))
+        guesses = chain(self._held_guesses(start, proposed), guesses if len(proposed) < 2 else _nearest_first(guesses))
+        for problem, guess in islice(guesses, self._options.tries):
             recorder = Recorder(problem, self._options.tolerance)
             stop = self._backend.solve(program_from(recorder, guess), limits(self._options))
             runs.append((recorder, stop))
@@ -96,6 +101,19 @@ class LocalSolver:
         count = sum(recorder.evaluations for recorder, _ in runs)
         recorder, stop = min(runs, key=lambda run: run[0].merit)
         return solution_of(index, x, recorder, stop, count, began)
+
+    def _held_guesses(self, start: State, proposed: Sequence[Proposal]) -> Iterator[tuple[GraspProblem, Array]]:
+        """Yield problems with points to solve from, at which the hand holds a pair as it did in its trial."""
+        here = wrist_pose(start.configuration)
+        for pair in proposed:
+            for hold in sorted(pair.holds, key=lambda hold: turned(here, hold))[:HOLDS]:
+                problem = self.problem(hold.assignment, pair.desired)
+                x = brought(problem, start.x, hold)
+                if x is None:
+                    continue
+                guess = descend(problem, 0.0, 1.0, x, 0.0)
+                if np.linalg.norm(problem.projection_residual(guess, 0.0, 1.0).values) <= NEAR:
+                    yield problem, guess
 
     def _guesses(self, start: State, desired: Sequence[DesiredPoints | None]) -> Iterator[tuple[GraspProblem, Array]]:
         """Yield problems with points to solve from: the first guess for all desired points, then the second ones."""

@@ -15,9 +15,9 @@ from ..descriptions.scene import Enclosure
 from ..kinematics.forward import Configuration, forward
 from ..kinematics.wrist import wrist_pose
 from ..mechanics import Contacts
-from ..problem import GraspProblem, State, TaskModel
+from ..problem import GraspProblem, Hold, State, TaskModel
 from ..problem.pair_holds import Holds
-from ..problem.proposals import ContactPair, desired_points
+from ..problem.proposals import ContactPair, Held, desired_points
 from .projection import descend
 
 WAYS = 3
@@ -59,21 +59,19 @@ class PairTrials:
         self._model = TaskModel(model.robot.unmounted, scene, model.task_name)
         self._configuration = _loose(self._model)
 
-    def held(self, pair: ContactPair, holds: Holds) -> Contacts | None:
-        """Return the contacts of a hand that holds a pair, object's frame; None if none does.
+    def held(self, pair: ContactPair, holds: Holds) -> tuple[Held, ...]:
+        """Return hands that hold a pair, one for each of the ways that were tried and led to one.
 
         Args:
             pair: of points.
             holds: ways to hold it.
         """
+        found = []
         for way in _apart(holds.approaches):
             state = self._state(pair, holds, way)
             if state is not None:
-                T = state.model.T_world_object
-                points, normals, jacobians = state.grasp
-                twists = np.concatenate([T[:3, :3].T @ jacobians[:, :3], T[:3, :3].T @ jacobians[:, 3:]], axis=1)
-                return Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
-        return None
+                found.append(_held(state, tuple(holds.orders[way].tolist())))
+        return tuple(found)
 
     def _state(self, pair: ContactPair, holds: Holds, way: int) -> State | None:
         """Return the state in which a pair is held in about one of the ways, if there is one."""
@@ -92,6 +90,16 @@ class PairTrials:
         state = problem.state(x)
         moved = np.linalg.norm(state.contacts.points - state.desired, axis=1)
         return state if moved.max() <= MOVED else None
+
+
+def _held(state: State, assignment: tuple[int, ...]) -> Held:
+    """Return the hand of a state."""
+    robot, T = state.model.robot, state.model.T_world_object
+    points, normals, jacobians = state.grasp
+    twists = np.concatenate([T[:3, :3].T @ jacobians[:, :3], T[:3, :3].T @ jacobians[:, 3:]], axis=1)
+    contacts = Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
+    T_wrist, size = np.linalg.inv(T) @ wrist_pose(state.configuration), robot.posture_size
+    return Held(Hold(T_wrist, state.x[robot.arm_size : size], state.x[size:], assignment), contacts)
 
 
 def _apart(approaches: Array) -> list[int]:

@@ -10,12 +10,12 @@ contacts give way and not the walls. The last asks for the constraints alone. Fr
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from ..arrays import Array
-from ..problem import DesiredPoints, GraspProblem, State, TaskModel
+from ..problem import DesiredPoints, GraspProblem, Residual, State, TaskModel
 from ..solver_words import Projection
 
 MAX_STEPS = 30
@@ -82,17 +82,34 @@ def descend(
     unit = np.where(problem.free, problem.model.robot.step_units, 0.0)
     if not sliding:
         unit[problem.model.robot.posture_size :] = 0.0
+    bounds = problem.lower, problem.upper
+    return least_squares(lambda at: problem.projection_residual(at, targets, clearances), x, unit, bounds, stalled)
+
+
+def least_squares(
+    residual_at: Callable[[Array], Residual], x: Array, unit: Array, bounds: tuple[Array, Array], stalled: float = 0.0
+) -> Array:
+    """Return where Levenberg-Marquardt steps lead, within bounds, shape (v,).
+
+    Args:
+        residual_at: returns what is to be small at a point.
+        x: where they begin, shape (v,).
+        unit: steps of the variables that count alike; of those that stay 0, shape (v,).
+        bounds: of x, both of shape (v,).
+        stalled: part of the squared residual by which steps lessen it at least.
+    """
+    lower, upper = bounds
     damping = INITIAL_DAMPING
-    residual = problem.projection_residual(x, targets, clearances)
+    residual = residual_at(x)
     square = float(residual.values @ residual.values)
     slow, reached, since = 0, square, 0
     for _ in range(MAX_STEPS):
         if square < DONE**2 or slow == 2 or since == HOPELESS:
             break
         since += 1
-        step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(problem, x))
-        trial_x = np.clip(x + unit * step, problem.lower, problem.upper)
-        trial = problem.projection_residual(trial_x, targets, clearances)
+        step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(x, lower, upper))
+        trial_x = np.clip(x + unit * step, lower, upper)
+        trial = residual_at(trial_x)
         trial_square = float(trial.values @ trial.values)
         if trial_square < square:
             slow = slow + 1 if trial_square > (1.0 - stalled) * square else 0
@@ -105,9 +122,9 @@ def descend(
     return x
 
 
-def _at_bound(problem: GraspProblem, x: Array) -> Array:
+def _at_bound(x: Array, lower: Array, upper: Array) -> Array:
     """Return -1, 0 or 1 for variables at their lower bound, between bounds, at their upper bound."""
-    return np.where(x >= problem.upper, 1.0, 0.0) - np.where(x <= problem.lower, 1.0, 0.0)
+    return np.where(x >= upper, 1.0, 0.0) - np.where(x <= lower, 1.0, 0.0)
 
 
 def _damped_step(J: Array, values: Array, damping: float, at_bound: Array) -> Array:
