@@ -7,6 +7,7 @@ cannot hold anything nearer than what is known.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -39,38 +40,52 @@ class PointTrees(NamedTuple):
 
 def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
     """Return trees of sets of points, each of shape (n, 3), n > 0, which are fixed to bodies."""
-    centers: list[Array] = []
-    radii: list[float] = []
-    parts: list[tuple[int, int]] = []
-    ordered: list[Array] = []
-    count = 0
+    sizes = np.array([len(points) for points in sets], dtype=np.intp)
+    points = np.concatenate([*sets, np.zeros((0, 3))])
+    return PointTrees(np.array(bodies, dtype=np.intp), *_divided(points, sizes))
 
-    def ball(points: Array) -> int:
-        nonlocal count
-        number = len(centers)
-        low, high = points.min(axis=0), points.max(axis=0)
-        center = 0.5 * (low + high)
-        centers.append(center)
-        radii.append(float(np.sqrt(((points - center) ** 2).sum(axis=1).max())))
-        parts.append((count, -1 - len(points)))
-        if len(points) <= LEAF:
-            ordered.append(points)
-            count += len(points)
-            return number
-        order = points[:, int((high - low).argmax())].argsort(kind="stable")
-        half = len(points) // 2
-        parts[number] = ball(points[order[:half]]), ball(points[order[half:]])
-        return number
 
-    roots = [ball(points) for points in sets]
-    return PointTrees(
-        np.array(bodies, dtype=np.intp),
-        np.array(roots, dtype=np.intp),
-        np.array(centers).reshape(-1, 3),
-        np.array(radii),
-        np.array(parts, dtype=np.intp).reshape(-1, 2),
-        np.concatenate([*ordered, np.zeros((0, 3))]),
-    )
+@compiled
+def _divided(points: Array, sizes: Indices) -> tuple[Indices, Array, Array, Indices, Array]:
+    """Return roots, centers, radii, parts and points of trees of so many points each."""
+    most = 2 * len(points)
+    roots, parts = np.empty(len(sizes), dtype=np.intp), np.empty((most, 2), dtype=np.intp)
+    centers, radii = np.empty((most, 3)), np.empty(most)
+    order, balls, begin = np.arange(len(points)), 0, 0
+    waiting = np.empty((_DEPTH, 2), dtype=np.intp)  # first and last points of balls that are not made yet
+    above = np.empty((_DEPTH, 2), dtype=np.intp)  # the balls that they are parts of, and which
+    for tree in range(len(sizes)):
+        roots[tree] = balls
+        waiting[0, 0], waiting[0, 1], above[0, 0] = begin, begin + sizes[tree], -1
+        begin, count = begin + sizes[tree], 1
+        while count:
+            count -= 1
+            first, last = waiting[count, 0], waiting[count, 1]
+            if above[count, 0] >= 0:
+                parts[above[count, 0], above[count, 1]] = balls
+            own = points[order[first:last]]
+            widest, longest, square = 0, -1.0, 0.0
+            for axis in range(3):
+                low, high = own[:, axis].min(), own[:, axis].max()
+                centers[balls, axis] = 0.5 * (low + high)
+                if high - low > longest:
+                    widest, longest = axis, high - low
+            for k in range(len(own)):
+                away = own[k] - centers[balls]
+                square = max(square, away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
+            radii[balls] = math.sqrt(square)
+            if last - first <= LEAF:
+                parts[balls, 0], parts[balls, 1] = first, -1 - (last - first)
+            else:
+                order[first:last] = order[first:last][own[:, widest].argsort(kind="mergesort")]
+                half = first + (last - first) // 2
+                waiting[count, 0], waiting[count, 1] = half, last
+                waiting[count + 1, 0], waiting[count + 1, 1] = first, half  # the first half is made first
+                above[count : count + 2, 0] = balls
+                above[count, 1], above[count + 1, 1] = 1, 0
+                count += 2
+            balls += 1
+    return roots, centers[:balls].copy(), radii[:balls].copy(), parts[:balls].copy(), points[order]
 
 
 @compiled

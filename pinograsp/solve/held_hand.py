@@ -34,7 +34,7 @@ def brought(problem: GraspProblem, x: Array, hold: Hold) -> Array | None:
     robot = problem.model.robot
     size, data = robot.arm_size, robot.model.createData()
     x = np.clip(np.concatenate([x[:size], hold.synergies, hold.parameters]), problem.lower, problem.upper)
-    hand, posture = x[size : robot.posture_size], robot.posture_size
+    hand = x[size : robot.posture_size]
 
     def miss(q: Array) -> Residual:
         configuration = forward(robot, data, np.concatenate([q, hand]))
