@@ -30,6 +30,10 @@ class Hold(NamedTuple):
     """Contact parameters on the pads, shape (v - l - s,)."""
     assignment: tuple[int, ...]
     """Point that each pad touches."""
+    axis: Array
+    """About which the hand may turn, in the frame of the wrist's pose: a point, m, and the direction, shape (2, 3)."""
+    turns: Array
+    """By so much it may, each time a little less or more, rad, shape (k,)."""
 
 
 class Proposal(NamedTuple):

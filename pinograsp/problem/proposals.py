@@ -79,8 +79,12 @@ class ContactPair(Record):
 
 def proposal(candidate: Candidate, model: TaskModel) -> Proposal:
     """Return what is proposed to a start, where the object of a task stands."""
-    holds = [hold._replace(T_wrist=model.T_world_object @ hold.T_wrist) for hold in candidate.held]
-    return Proposal(desired_points(candidate.pair, model), tuple(holds))
+    T = model.T_world_object
+    placed = [
+        hold._replace(T_wrist=T @ hold.T_wrist, axis=hold.axis @ T[:3, :3].T + [T[:3, 3], np.zeros(3)])
+        for hold in candidate.held
+    ]
+    return Proposal(desired_points(candidate.pair, model), tuple(placed))
 
 
 def desired_points(pair: ContactPair, model: TaskModel) -> DesiredPoints:

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, islice
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..kinematics.wrist import wrist_pose
 from ..problem import DesiredPoints, GraspProblem, Proposal, State, TaskModel, Violation
 from ..solver_words import Outcome
 from .backends import Limits, Stop, backend_of
-from .held_hand import brought, turned
+from .guesses import Guess, held_guesses, nearest_first
 from .options import SolverOptions
 from .polish import polished
-from .projection import descend, initial_guesses, nearest_assignment
+from .projection import initial_guesses, nearest_assignment
 from .recorder import Recorder, program_from
 
-NEAR = 0.02
-"""Norm of the scaled residual up to which a projected start is solved from before it is projected onto other pairs."""
-HOLDS = 2
-GUESSES = 8
-"""Points that a start with several pairs is projected to, at most."""
+SHORT = 0.25
+"""Part of the budget that each solve of a start with several pairs has; most that lead to a grasp need a tenth.
+
+If none of them does, the one that came furthest goes on with the rest.
+"""
 
 
 @dataclass(frozen=True)
@@ -88,63 +89,39 @@ class LocalSolver:
         first = self.problem(tuple(range(len(self._model.robot.pads))), proposed[0].desired if proposed else None)
         centers = 0.5 * (first.lower + first.upper)[self._model.robot.posture_size :]
         x = np.clip(np.concatenate([start, centers]), first.lower, first.upper)
-        runs = []
-        start = first.state(x)
-        guesses = self._guesses(start, [pair.desired for pair in proposed] or (None,))
-        guesses = chain(self._held_guesses(start, proposed), guesses if len(proposed) < 2 else _nearest_first(guesses))
+        guesses = self._guesses(first.state(x), proposed)
+        most = self._options.budget if len(proposed) < 2 else math.ceil(SHORT * self._options.budget)
+        runs: list[Run] = []
         for problem, guess in islice(guesses, self._options.tries):
-            recorder = Recorder(problem, self._options.tolerance)
-            stop = self._backend.solve(program_from(recorder, guess), limits(self._options))
-            runs.append((recorder, stop))
-            if recorder.feasible:
+            runs.append(self._run(problem, guess, most))
+            if runs[-1].recorder.feasible:
                 break
-        count = sum(recorder.evaluations for recorder, _ in runs)
-        recorder, stop = min(runs, key=lambda run: run[0].merit)
-        return solution_of(index, x, recorder, stop, count, began)
+        best = min(runs, key=lambda run: run.recorder.merit)
+        if most < self._options.budget and not best.recorder.feasible and best.recorder.best is not None:
+            runs.append(self._run(best.recorder.problem, best.recorder.best.x, self._options.budget - most))
+            best = min(runs, key=lambda run: run.recorder.merit)
+        count = sum(run.recorder.evaluations for run in runs)
+        return solution_of(index, x, best.recorder, best.stop, count, began)
 
-    def _held_guesses(self, start: State, proposed: Sequence[Proposal]) -> Iterator[tuple[GraspProblem, Array]]:
-        """Yield problems with points to solve from, at which the hand holds a pair as it did in its trial."""
-        here = wrist_pose(start.configuration)
-        for pair in proposed:
-            for hold in sorted(pair.holds, key=lambda hold: turned(here, hold))[:HOLDS]:
-                problem = self.problem(hold.assignment, pair.desired)
-                x = brought(problem, start.x, hold)
-                if x is None:
-                    continue
-                guess = descend(problem, 0.0, 1.0, x, 0.0)
-                if np.linalg.norm(problem.projection_residual(guess, 0.0, 1.0).values) <= NEAR:
-                    yield problem, guess
+    def _guesses(self, start: State, proposed: Sequence[Proposal]) -> Iterator[Guess]:
+        """Yield problems with points to solve from: if pairs are proposed, first those at which hands hold one."""
+        if not proposed:
+            problem = self.problem(nearest_assignment(self._model, start))
+            return ((problem, x) for x in initial_guesses(problem, start.x, self._options.projection))
+        held = held_guesses(self.problem, start, proposed)
+        return chain(held, nearest_first(self.problem, start, proposed, self._options.projection))
 
-    def _guesses(self, start: State, desired: Sequence[DesiredPoints | None]) -> Iterator[tuple[GraspProblem, Array]]:
-        """Yield problems with points to solve from: the first guess for all desired points, then the second ones."""
-        assignments = [nearest_assignment(self._model, start, points) for points in desired]
-        problems = [self.problem(*pair) for pair in zip(assignments, desired, strict=True)]
-        ways = [(problem, initial_guesses(problem, start.x, self._options.projection)) for problem in problems]
-        while ways:  # each guess is made when it is asked for
-            for way in list(ways):
-                problem, guesses = way
-                guess = next(guesses, None)
-                if guess is None:
-                    ways.remove(way)
-                else:
-                    yield problem, guess
+    def _run(self, problem: GraspProblem, guess: Array, evaluations: int) -> Run:
+        """Solve a problem from a point, shape (v,)."""
+        recorder = Recorder(problem, self._options.tolerance)
+        return Run(recorder, self._backend.solve(program_from(recorder, guess), limits(self._options, evaluations)))
 
 
-def _nearest_first(guesses: Iterator[tuple[GraspProblem, Array]]) -> Iterator[tuple[GraspProblem, Array]]:
-    """Yield guesses that all but keep the conditions of the projection as they come, then the others, nearest first.
+class Run(NamedTuple):
+    """A solve from one point."""
 
-    From nine of ten of the former a solve leads to a grasp; from one of ten of the latter, and it takes four times as
-    long.
-    """
-    others = []
-    for problem, guess in islice(guesses, GUESSES):
-        miss = float(np.linalg.norm(problem.projection_residual(guess, 0.0, 1.0).values))
-        if miss <= NEAR:
-            yield problem, guess
-        else:
-            others.append((miss, problem, guess))
-    for _, problem, guess in sorted(others, key=lambda other: other[0]):
-        yield problem, guess
+    recorder: Recorder
+    stop: Stop
 
 
 def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluations: int, began: float) -> Solution:
@@ -170,10 +147,10 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     return Solution(index, outcome, assignment, best.x, violations, evaluations, seconds, stop.message, state)
 
 
-def limits(options: SolverOptions) -> Limits:
-    """Return when a solve may stop."""
+def limits(options: SolverOptions, evaluations: int) -> Limits:
+    """Return when a solve with so many evaluations at most may stop."""
     return Limits(
-        evaluations=options.budget,
+        evaluations=evaluations,
         violation=10.0 * options.tolerance,  # the last digits are polished
         cost_change=options.cost_tolerance,
         relative_cost_change=10.0 * options.cost_tolerance,

@@ -7,6 +7,8 @@ and nothing else touches it. Where it does not come to that, starts do not eithe
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..arrays import Array
@@ -15,9 +17,10 @@ from ..descriptions.scene import Enclosure
 from ..kinematics.forward import Configuration, forward
 from ..kinematics.wrist import wrist_pose
 from ..mechanics import Contacts
-from ..problem import GraspProblem, Hold, State, TaskModel
+from ..problem import GraspProblem, Hold, TaskModel
 from ..problem.pair_holds import Holds
 from ..problem.proposals import ContactPair, Held, desired_points
+from .held_hand import BETWEEN, between, turned, turned_about
 from .projection import descend
 
 WAYS = 3
@@ -28,6 +31,12 @@ DESCENTS = ((0.3, 0.05, 0.5), (0.0, 0.3, 0.01))
 """Descents one after the other: weight of the points, part of the squared residual by which a descent goes on, and norm
 of the scaled residual above which the pair is given up: of starts that are led to pairs that are held nine of ten come
 to a grasp, of others one of four."""
+TURNS = np.arange(0.0, math.tau, 2.0 * BETWEEN)
+"""By which a hand that holds a pair is turned about the line through it, and looked at, rad."""
+LITTLE = 0.3
+"""Norm of the scaled residual up to which it may be turned so."""
+COVERED = 0.2
+"""A way that differs by less from a hand that was found, turned, is not tried, rad."""
 FAR = 100.0
 """Half edge of the room, m."""
 POSTURES, MIDDLE = 200, 3.0
@@ -60,28 +69,40 @@ class PairTrials:
         self._configuration = _loose(self._model)
 
     def held(self, pair: ContactPair, holds: Holds) -> tuple[Held, ...]:
-        """Return hands that hold a pair, one for each of the ways that were tried and led to one.
+        """Return hands that hold a pair, none of which is another one turned.
 
         Args:
             pair: of points.
             holds: ways to hold it.
         """
-        found = []
+        found: list[Held] = []
         for way in _apart(holds.approaches):
-            state = self._state(pair, holds, way)
-            if state is not None:
-                found.append(_held(state, tuple(holds.orders[way].tolist())))
+            T_wrist = holds.pads[way] @ np.linalg.inv(holds.T_wrist_pad)
+            if any(between(T_wrist, turned(held.hold, T_wrist)) <= COVERED for held in found):
+                continue
+            problem = self._problem(pair, holds, way)
+            x = self._held_at(problem, holds)
+            if x is not None:
+                found.append(self._held(pair, problem, x))
         return tuple(found)
 
-    def _state(self, pair: ContactPair, holds: Holds, way: int) -> State | None:
-        """Return the state in which a pair is held in about one of the ways, if there is one."""
-        model, scene = self._model, self._model.scene
+    def _problem(self, pair: ContactPair, holds: Holds, way: int) -> GraspProblem:
+        """Return the problem with the object at the hand as in one of the ways."""
         T = wrist_pose(self._configuration) @ holds.T_wrist_pad @ np.linalg.inv(holds.pads[way])
-        model = model.moved(model.task.object, scene.with_object_pose(model.task.object, T))
-        problem = GraspProblem(model, tuple(holds.orders[way].tolist()), desired=desired_points(pair, model))
+        return self._with_object(pair, tuple(holds.orders[way].tolist()), T)
+
+    def _with_object(self, pair: ContactPair, assignment: tuple[int, ...], T: Array) -> GraspProblem:
+        """Return the problem with the object at a pose, shape (4, 4)."""
+        name = self._model.task.object
+        model = self._model.moved(name, self._model.scene.with_object_pose(name, T))
+        return GraspProblem(model, assignment, desired=desired_points(pair, model))
+
+    def _held_at(self, problem: GraspProblem, holds: Holds) -> Array | None:
+        """Return the point at which the pair of a problem is held, shape (v,), if there is one."""
+        robot = problem.model.robot
         x = 0.5 * (problem.lower + problem.upper)
-        size = model.robot.arm_size
-        x[:size], x[size : model.robot.posture_size] = self._configuration.posture[:size], holds.synergies
+        x[: robot.arm_size] = self._configuration.posture[: robot.arm_size]
+        x[robot.arm_size : robot.posture_size] = holds.synergies
         x = np.clip(x, problem.lower, problem.upper)
         for targets, stalled, within in DESCENTS:
             x = descend(problem, targets, 1.0, x, stalled)
@@ -89,17 +110,25 @@ class PairTrials:
                 return None
         state = problem.state(x)
         moved = np.linalg.norm(state.contacts.points - state.desired, axis=1)
-        return state if moved.max() <= MOVED else None
+        return x if moved.max() <= MOVED else None
 
-
-def _held(state: State, assignment: tuple[int, ...]) -> Held:
-    """Return the hand of a state."""
-    robot, T = state.model.robot, state.model.T_world_object
-    points, normals, jacobians = state.grasp
-    twists = np.concatenate([T[:3, :3].T @ jacobians[:, :3], T[:3, :3].T @ jacobians[:, 3:]], axis=1)
-    contacts = Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
-    T_wrist, size = np.linalg.inv(T) @ wrist_pose(state.configuration), robot.posture_size
-    return Held(Hold(T_wrist, state.x[robot.arm_size : size], state.x[size:], assignment), contacts)
+    def _held(self, pair: ContactPair, problem: GraspProblem, x: Array) -> Held:
+        """Return the hand that holds a pair at a point of a problem, shape (v,)."""
+        state, T, robot = problem.state(x), problem.model.T_world_object, problem.model.robot
+        points, normals, jacobians = state.grasp
+        twists = np.concatenate([T[:3, :3].T @ jacobians[:, :3], T[:3, :3].T @ jacobians[:, 3:]], axis=1)
+        contacts = Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
+        across = contacts.normals[0] - contacts.normals[1]
+        origin, along = contacts.points.mean(axis=0), across / np.linalg.norm(across)
+        turns = []
+        for turn in TURNS:
+            there = self._with_object(pair, problem.assignment, T @ turned_about(origin, along, -turn))
+            if np.linalg.norm(there.projection_residual(x, 0.0, 1.0).values) <= LITTLE:
+                turns.append(turn)
+        hand, parameters = x[robot.arm_size : robot.posture_size], x[robot.posture_size :]
+        T_wrist = np.linalg.inv(T) @ wrist_pose(state.configuration)
+        hold = Hold(T_wrist, hand, parameters, problem.assignment, np.stack([origin, along]), np.array(turns))
+        return Held(hold, contacts)
 
 
 def _apart(approaches: Array) -> list[int]:
