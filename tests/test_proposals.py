@@ -37,12 +37,9 @@ from pinograsp import (
     UnknownNameError,
 )
 from pinograsp.descriptions.shapes import Mesh
-from pinograsp.geometry.antipodal import Pairs, drawn, opposite_points
+from pinograsp.geometry.antipodal import drawn, opposite_points
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.grips import grips
-from pinograsp.problem import TaskModel
-from pinograsp.problem.pair_holds import HoldFinder
-from pinograsp.solve.pair_trials import PairTrials
 
 ABOVE = (0.80, 0.02, -0.12)
 """A place in the glovebox with nothing near it, m, world."""
@@ -179,27 +176,6 @@ def test_pairs_that_cannot_bear_the_weight_are_not_proposed(gen3: Robot, glovebo
         reaches.append(max(abs(pair.points[:, 2].mean()) for pair in pairs))
     assert reaches[0] > 0.08
     assert reaches[1] < 0.03
-
-
-def test_a_pair_is_held_in_a_trial_unless_something_is_in_the_way_of_the_hand(gen3: Robot, glovebox: Scene) -> None:
-    """A plate is held at its rim; in the middle of its faces the palm is in the plate, however the hand is turned."""
-    plate = TaskModel(gen3, holding(glovebox, Cylinder(radius=0.15, height=0.03)), "sphere")
-    trials, finder = PairTrials(plate), HoldFinder(plate)
-    held = {}
-    for x in (0.0, 0.135):
-        points, normals = np.array([[x, 0.0, 0.015], [x, 0.0, -0.015]]), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-        at_rim = Pairs(np.array([[[0.135, 0.0, 0.015], [0.135, 0.0, -0.015]]]), normals[None])
-        holds = finder.holds(at_rim)
-        assert holds is not None
-        shift = np.eye(4)
-        shift[0, 3] = x - 0.135
-        there = holds._replace(pads=shift @ holds.pads)
-        held[x] = trials.held(ContactPair(points, normals, 0.03), there)
-    assert held[0.0] is None
-    contacts = held[0.135]
-    assert contacts is not None
-    np.testing.assert_allclose(np.abs(contacts.points[:, 2]), 0.015, atol=1e-5)
-    np.testing.assert_allclose(contacts.normals, -np.sign(contacts.points[:, 2:]) * [0.0, 0.0, 1.0], atol=1e-5)
 
 
 def test_what_stands_on_the_floor_is_not_held_from_below(gen3: Robot, glovebox: Scene) -> None:
