@@ -28,7 +28,7 @@ import coal
 import numpy as np
 
 from ..arrays import Array, Mask
-from ..geometry.hull_points import hull_points, simplified
+from ..geometry.hull_points import solid_points
 from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_normal, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
@@ -255,8 +255,8 @@ def _on(solid: Solid, apart: float) -> tuple[Array, float]:
         corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
     else:
         corners = np.array(shape.points())
-    hull, within = simplified(corners, ROUNDED * apart)
-    return hull_points(hull, apart) @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
+    points, within = solid_points(corners, apart, ROUNDED * apart)
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
 
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:
