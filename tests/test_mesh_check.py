@@ -32,6 +32,7 @@ from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
 from pinograsp.verification.patches import heights, nearest_on_patch
+from pinograsp.verification.pieces import in_pieces
 from pinograsp.verification.plain_faces import crossed
 from pinograsp.verification.region_depth import least_depth
 from pinograsp.verification.rubber import PadLink
@@ -182,6 +183,39 @@ def test_triangles_that_others_cross_are_found() -> None:
         [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.6, 0.2, -0.5], [0.2, 0.3, 0.5], [-1, 0, 0], [0, -1, 0]], dtype=float
     )
     np.testing.assert_array_equal(crossed(fan, np.array([[0, 1, 2], [0, 3, 4], [0, 5, 6]])), [True, True, False])
+
+
+def test_what_lies_on_triangles_does_not_cross_them() -> None:
+    """A triangle on another one, one that stands on both, and a block that stands on a plate, or all but does."""
+    T = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    flat = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.1, 0.1, 0], [0.9, 0.6, 0], [0.2, 0.7, 0]], dtype=float)
+    upright = np.array([[0.2, 0.2, 5e-8], [0.4, 0.3, 5e-8], [0.3, 0.3, 1.0]])
+    vertices = np.vstack([flat, upright]) @ T[:3, :3].T
+    faces = np.arange(9).reshape(3, 3)
+    assert not crossed(vertices, faces[:2]).any()
+    assert crossed(vertices, faces).all()
+    sheet = trimesh.creation.box(extents=[0.02, 0.02, 0.01])
+    for gap in (0.0, 1e-10):
+        block = trimesh.creation.box(extents=[0.004, 0.004, 0.01]).apply_translation([0.002, 0.003, 0.01 + gap])
+        stack = turned(trimesh.util.concatenate([sheet, block]), 0.7, [1, 2, 3])
+        body, rng = body_of(stack), np.random.default_rng(0)
+        points = np.column_stack([rng.uniform(-0.01, 0.01, (2000, 2)), rng.uniform(0.0045, 0.0055, 2000)])
+        inside = (points[:, 2] < 0.005) | (np.abs(points[:, :2] - [0.002, 0.003]) < 0.002).all(axis=1)
+        np.testing.assert_array_equal(body.distances(points @ T[:3, :3].T) < 0.0, inside)
+
+
+def test_pieces_share_edges_as_triangles_do() -> None:
+    """A needle and a plate: no long edge, the same area, no gap, and every piece on its own triangle."""
+    mesh = trimesh.creation.box(extents=[0.1, 0.03, 0.001])
+    vertices, faces = arrays(mesh)
+    corners, pieces, owners = in_pieces(vertices, faces, 0.005)
+    found = trimesh.Trimesh(corners, pieces, process=False)
+    assert found.is_watertight
+    assert found.edges_unique_length.max() <= 0.005
+    assert found.volume == pytest.approx(mesh.volume, rel=1e-12)
+    np.testing.assert_allclose(found.face_normals, mesh.face_normals[owners], atol=1e-9)
+    np.testing.assert_allclose(np.bincount(owners, found.area_faces), mesh.area_faces, rtol=1e-12)
+    np.testing.assert_array_equal(in_pieces(vertices, faces, 1.0)[1], faces)
 
 
 @pytest.mark.parametrize(("thickness", "sigma"), [(0.005, 0.002), (0.0035, 0.0015), (0.0025, 0.001), (0.0008, 0.0005)])

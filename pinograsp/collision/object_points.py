@@ -21,17 +21,14 @@ With the signed distance d of the object and its gradient g at the nearest point
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import coal
 import numpy as np
 
-from ..array_cache import kept
 from ..arrays import Array, Mask
-from ..disk import digest
-from ..geometry.hull_points import hull_points, simplified
+from ..geometry.hull_points import solid_points
 from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_normal, face_point, face_ranges
 from ..geometry.point_trees import PointTrees, point_trees
@@ -58,13 +55,6 @@ PAD_SPACING = 0.002
 """Between points of the face of a pad, m."""
 LID_SPACING = 0.0004
 """Between points where rubber ends, at least, m; otherwise the depth by which it yields."""
-
-
-VERSION = 1
-"""Of how points are chosen; those of links that are kept were chosen by the same."""
-
-OnSolids = tuple[tuple[Array, float], ...]
-"""Points on every solid of a link, joint's frame, m, shape (n, 3), and how far it may stand out of their hull, m."""
 
 
 class Facets(NamedTuple):
@@ -192,7 +182,7 @@ def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
             for number, solid in enumerate(body.solids):
                 behind = pads_before(padded, PlacedSolid(number, body, solid))
                 apart = APART if near else FAR_APART
-                points, within = _on_link(robot, body.name, apart)[number]
+                points, within = _on_solid(robot, body.name, number, apart)
                 rubber = _in_rubber(padded, behind, points)
                 for yields in (True, False):
                     some = points[rubber == yields]
@@ -218,37 +208,14 @@ def _near_the_hand(robot: Robot, joint: int) -> bool:
 
 
 @remembered
-def _on_link(robot: Robot, link: str, apart: float) -> OnSolids:
-    """Return points on every solid of a link; kept in the user's cache folder.
+def _on_solid(robot: Robot, link: str, number: int, apart: float) -> tuple[Array, float]:
+    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far it may stand out of their hull, m.
 
     Those within another solid of the link are left out: that one has points farther out.
     """
     [body] = [body for body in link_bodies(robot) if body.name == link]
-
-    def make() -> OnSolids:
-        return tuple(_on_solid(body.solids, _hulls(robot, link), number, apart) for number in range(len(body.solids)))
-
-    parts = [part.tobytes() for solid in body.solids for part in (_corners(solid), solid.placement)]
-    key = digest(f"{VERSION} {apart} {[len(part) for part in parts]} ".encode() + b"".join(parts))
-    return kept("points", f"link-{key[:32]}", make, _arrays_of, _on_solids_of)
-
-
-def _arrays_of(found: OnSolids) -> dict[str, Any]:
-    points, within = zip(*found, strict=True)
-    ends = np.cumsum([len(own) for own in points])
-    return {"points": np.concatenate(points), "ends": ends, "within": np.array(within)}
-
-
-def _on_solids_of(arrays: Mapping[str, Any]) -> OnSolids:
-    return tuple(zip(np.split(arrays["points"], arrays["ends"][:-1]), arrays["within"].tolist(), strict=True))
-
-
-def _on_solid(solids: Sequence[Solid], hulls: Sequence[Hull | None], number: int, apart: float) -> tuple[Array, float]:
-    """Return points on a solid of a link, and how far it may stand out of their hull."""
-    own = solids[number]
-    simple, within = simplified(_corners(own), ROUNDED * apart)
-    points = hull_points(simple, apart) @ own.placement[:3, :3].T + own.placement[:3, 3]
-    for i, (solid, hull) in enumerate(zip(solids, hulls, strict=True)):
+    points, within = _on(body.solids[number], apart)
+    for i, (solid, hull) in enumerate(zip(body.solids, _hulls(robot, link), strict=True)):
         if i != number and hull is not None:
             R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
             points = points[~hull.holds((points - origin) @ R, HIDDEN)]
@@ -280,14 +247,16 @@ def _hulls(robot: Robot, link: str) -> list[Hull | None]:
     return [Hull(np.array(shape.points())) if isinstance(shape, coal.ConvexBase) else None for shape in shapes]
 
 
-def _corners(solid: Solid) -> Array:
-    """Return vertices of a solid in its frame, of a round one vertices of a polyhedron around it, m, shape (n, 3)."""
+def _on(solid: Solid, apart: float) -> tuple[Array, float]:
     shape = solid.shape
     if isinstance(shape, coal.Sphere):
-        return primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
-    if isinstance(shape, coal.Cylinder):
-        return primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
-    return np.array(shape.points())
+        corners = primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
+    elif isinstance(shape, coal.Cylinder):
+        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
+    else:
+        corners = np.array(shape.points())
+    points, within = solid_points(corners, apart, ROUNDED * apart)
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
 
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:

@@ -21,11 +21,41 @@ import math
 
 import numpy as np
 
+from ..array_cache import kept
 from ..arrays import Array, Indices
+from ..disk import digest
 from .hulls import FlatError, Hull
 
+VERSION = 1
+"""Of the points that are kept; to be raised with every change of how they are chosen."""
 _SAME_PLANE = 1e-5
 """Difference of the normals of facets that count as one, no unit, and of their offsets, m."""
+
+
+def solid_points(vertices: Array, apart: float, tolerance: float) -> tuple[Array, float]:
+    """Return points of a hull of some vertices of a convex solid, and how far it stands out; kept in the cache folder.
+
+    Args:
+        vertices: shape (n, 3), m.
+        apart: largest way from a point of the hull to the nearest of the points, m (see `hull_points`).
+        tolerance: how far the solid may stand out of the hull, m (see `simplified`).
+
+    Raises:
+        FlatError: the vertices lie in one plane.
+    """
+
+    def made() -> tuple[Array, float]:
+        hull, within = simplified(vertices, tolerance)
+        return hull_points(hull, apart), within
+
+    key = digest(f"{VERSION} {apart!r} {tolerance!r} ".encode() + np.ascontiguousarray(vertices).tobytes())
+    return kept(
+        "points",
+        key[:32],
+        made,
+        lambda found: {"points": found[0], "within": found[1]},
+        lambda found: (found["points"], float(found["within"])),
+    )
 
 
 def hull_points(hull: Hull, apart: float) -> Array:

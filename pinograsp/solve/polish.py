@@ -27,10 +27,13 @@ from ..problem.constraints.wrench_balance import wrench_balance
 STEPS = 4
 DONE = 1e-10
 """Scaled residual that is as good as zero."""
+EXACT_STEPS = 12
+"""Of the steps with exact gaps: next to edges their derivatives are off, so that an error shrinks by some tenths."""
 EXACT = 1e-4
 """Scaled residual that will do where gaps are exact: facets have corners, and a micrometre is less than they matter."""
-RANK = 1e-6
-"""Singular value, in parts of the largest, below which equations depend on others."""
+RANK, EXACT_RANK = 1e-6, 1e-3
+"""Singular value, in parts of the largest, below which equations depend on others; in the second case of those with
+exact gaps and held inequalities, which may contradict each other."""
 
 
 def polished(problem: GraspProblem, near: Evaluation, tolerance: float) -> Evaluation:
@@ -55,7 +58,7 @@ def _with_exact_gaps(problem: GraspProblem, near: Evaluation, tolerance: float) 
     """Return the evaluation of a point by a feasible one with less of a gap; the given one if there is none."""
     best, tried = near, near
     least, allowed = _largest_gap(problem, near), max(tolerance, near.violation)
-    for _ in range(STEPS):
+    for _ in range(EXACT_STEPS):
         equations, beyond = _equations(problem, tried, exact=True), tried.inequalities.values
         if np.abs(equations.values).max() <= EXACT:
             break
@@ -63,7 +66,7 @@ def _with_exact_gaps(problem: GraspProblem, near: Evaluation, tolerance: float) 
         for _ in range(STEPS):
             values = np.append(equations.values, np.maximum(beyond[held], 0.0))
             jacobian = np.vstack([equations.jacobian, tried.inequalities.jacobian[held]])
-            x = _stepped(problem, tried.x, Residual(values, jacobian))
+            x = _stepped(problem, tried.x, Residual(values, jacobian), EXACT_RANK)
             crossed = beyond + tried.inequalities.jacobian @ (x - tried.x) > allowed
             if not (crossed & ~held).any():
                 break
@@ -99,9 +102,9 @@ def _largest_gap(problem: GraspProblem, at: Evaluation) -> float:
     return float(np.abs(problem.model.exact_distances(problem.state(at.x).contacts.points)).max())
 
 
-def _stepped(problem: GraspProblem, x: Array, equations: Residual) -> Array:
+def _stepped(problem: GraspProblem, x: Array, equations: Residual, rank: float = RANK) -> Array:
     unit = problem.model.robot.step_units
     free = (x > problem.lower) & (x < problem.upper)
     J = equations.jacobian * unit * free
-    step = unit * (np.linalg.pinv(J, rcond=RANK) @ -equations.values)
+    step = unit * (np.linalg.pinv(J, rcond=rank) @ -equations.values)
     return np.asarray(np.clip(x + step, problem.lower, problem.upper))

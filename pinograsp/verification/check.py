@@ -91,6 +91,7 @@ class Verifier:
         self._around_pads = Surroundings(touching, [self._target])
         self._rubber = pad_links(read, self._pads) if self._target.limits.yields else ()
         self._obstacles = Surroundings(read.moving, obstacles)
+        self._last: tuple[Array, Array] = np.zeros((0, 3)), np.zeros((0, 3))
 
     def check(self, claim: Claim) -> Certificate:
         """Recompute every figure of a claim; those of its resistance only if the task says what is to be withstood.
@@ -156,8 +157,13 @@ class Verifier:
         return _known(self._inward(points), points, pads)
 
     def _inward(self, points: Array) -> Array:
-        """Return the inward normals of the object at contacts, world, shape (contacts, 3); nan where it has none."""
-        return np.array([self._target.inward(point) for point in points])
+        """Return the inward normals of the object at contacts, world, shape (contacts, 3); nan where it has none.
+
+        Those of the last points are kept: who derives what a grasp reports has checked it before.
+        """
+        if not np.array_equal(points, self._last[0]):
+            self._last = points.copy(), np.array([self._target.inward(point) for point in points])
+        return self._last[1]
 
     def _pad_rates(self, poses: Poses) -> list[Array]:
         """Return, of each pad's link, the twist about the world's origin per unit of each synergy, (synergies, 6)."""

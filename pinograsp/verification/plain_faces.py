@@ -1,75 +1,162 @@
 """Which triangles of a body have one side of it in front of them and another behind, all over.
 
 The winding number is the same at both ends of a way that crosses no triangle. So it is the same all along the front of
-a triangle, and all along its back, unless another triangle crosses it; then one look at its middle tells of every point
-that has its foot on it whether that is inside. Where the surface has openings, the winding number changes along the way
-by the solid angle of the openings over 4 pi: by less than a tenth at twice the radius of a ball around one.
+a triangle, and all along its back, unless another triangle crosses it; then one look beside its middle tells of every
+point that has its foot on it whether that is inside. What lies on a triangle, within `LAYER` of its plane, does not
+cross it; what comes nearer to it from elsewhere than that counts as crossing. Where the surface has openings, the
+winding number changes along the way by the solid angle of the openings over 4 pi: by less than a tenth at twice the
+radius of a ball around one.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import coal
 import numpy as np
 import trimesh
 
 from ..arrays import Array, Indices, Integers, Mask
-from .coal_bodies import triangle_tree
+from ..compiled import compiled
 
-_MEETINGS = 100
-"""Pairs of triangles that touch, itself among them, for each triangle, at most."""
+LAYER = 1e-7
+"""Distance from a triangle within which other ones lie on it or touch it, m."""
 _BESIDE = 1e-9
 """Share of a triangle beside it that counts as on it."""
-_FOLDED = -1.0 + 1e-9
-"""Cosine of the angle between triangles with a common corner below which they lie on each other."""
+_PARALLEL = 1e-9
+"""Length of the cross product of directions below which it has none."""
 _CLEAR = 2.0
 """Radius around an opening within which the winding number is asked, in parts of its own."""
 
 
 def crossed(vertices: Array, faces: Integers) -> Mask:
-    """Return which triangles touch others otherwise than in corners and edges that they share, shape (f,).
+    """Return which triangles others cross, or touch otherwise than in corners and edges that they share, shape (f,).
 
     Args:
         vertices: shape (v, 3), m.
         faces: shape (f, 3).
     """
-    first, second = _meeting(vertices, faces).T
-    common = (faces[first][:, :, None] == faces[second][:, None, :]).any(axis=2)
-    count = common.sum(axis=1)
-    across = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
-    across /= np.linalg.norm(across, axis=1)[:, None]
-    bad = (count == 0) | (count == 3) | ((across[first] * across[second]).sum(axis=1) < _FOLDED)
-    one = np.flatnonzero((count == 1) & ~bad)
-    bad[one] = _pierced(vertices, faces, across, first[one], second[one]) | _pierced(
-        vertices, faces, across, second[one], first[one]
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    axis = int(np.ptp(vertices, axis=0).argmax())
+    order = low[:, axis].argsort(kind="stable")
+    found = np.zeros(len(faces), dtype=np.bool_)
+    found[order] = _crossed(
+        corners[order], normals[order], np.ascontiguousarray(faces[order]), low[order], high[order], axis
     )
-    found = np.zeros(len(faces), dtype=bool)
-    found[first[bad]] = found[second[bad]] = True
     return found
 
 
-def _meeting(vertices: Array, faces: Integers) -> Indices:
-    """Return the pairs of triangles that touch, shape (n, 2)."""
-    tree, here = triangle_tree(vertices, faces), coal.Transform3s()
-    request, result = coal.CollisionRequest(), coal.CollisionResult()
-    request.num_max_contacts, request.enable_contact = _MEETINGS * len(faces), False
-    coal.collide(tree, here, tree, here, request, result)
-    pairs = np.array([(contact.b1, contact.b2) for contact in result.getContacts()], dtype=np.intp).reshape(-1, 2)
-    return np.asarray(pairs[pairs[:, 0] < pairs[:, 1]])
+@compiled
+def _crossed(corners: Array, normals: Array, faces: Integers, low: Array, high: Array, axis: int) -> Mask:
+    """Return which triangles others cross, of triangles in the order of the low ends of their boxes along an axis."""
+    found = np.zeros(len(faces), dtype=np.bool_)
+    for i in range(len(faces)):
+        for j in range(i + 1, len(faces)):
+            if low[j, axis] > high[i, axis] + LAYER:
+                break
+            if found[i] and found[j]:
+                continue
+            near = True
+            for k in range(3):
+                near &= low[i, k] <= high[j, k] + LAYER and low[j, k] <= high[i, k] + LAYER
+            if not near:
+                continue
+            common, own, other = 0, 0, 0
+            for a in range(3):
+                for b in range(3):
+                    if faces[i, a] == faces[j, b]:
+                        common, own, other = common + 1, a, b
+            if common == 0:
+                if not _apart(corners[i], normals[i], corners[j], normals[j]):
+                    found[i] |= not _on(corners[i], normals[i], corners[j])
+                    found[j] |= not _on(corners[j], normals[j], corners[i])
+            elif common == 1 and (
+                _pierced(corners[i], normals[i], corners[j], other) or _pierced(corners[j], normals[j], corners[i], own)
+            ):
+                found[i] = found[j] = True
+    return found
 
 
-def _pierced(vertices: Array, faces: Integers, across: Array, first: Indices, second: Indices) -> Mask:
-    """Whether triangles are met by the edges, opposite a common corner, of others, shape (n,)."""
-    a, b, c = vertices[faces[first]].transpose(1, 0, 2)
-    apart = ~(faces[second][:, :, None] == faces[first][:, None, :]).any(axis=2)
-    ends = vertices[faces[second][apart].reshape(-1, 2)]
-    heights = np.einsum("nij,nj->ni", ends - a[:, None], across[first])
-    through = heights[:, 0] * heights[:, 1] <= 0.0
-    rise = heights[:, 0] - heights[:, 1]
-    share = np.divide(heights[:, 0], rise, out=np.zeros(len(rise)), where=rise != 0.0)
-    place = ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
-    return np.asarray(through & (barycentric(place, a, b, c) > -_BESIDE).all(axis=1))
+@compiled
+def _on(triangle: Array, normal: Array, other: Array) -> bool:
+    """Whether another triangle lies in the plane of a triangle."""
+    farthest = 0.0
+    for k in range(3):
+        farthest = max(farthest, abs(_height(triangle, normal, other[k])))
+    return farthest <= LAYER
+
+
+@compiled
+def _height(triangle: Array, normal: Array, point: Array) -> float:
+    height = 0.0
+    for k in range(3):
+        height += normal[k] * (point[k] - triangle[0, k])
+    return height
+
+
+@compiled
+def _apart(first: Array, one: Array, second: Array, other: Array) -> bool:
+    """Whether a plane has two triangles on its sides, `LAYER` apart, given their unit normals.
+
+    It is asked of planes along one of them, along an edge of each, and across one of them along an edge of its own.
+    """
+    if _parted(first, second, one) or _parted(first, second, other):
+        return True
+    for i in range(3):
+        edge = first[(i + 1) % 3] - first[i]
+        if _parted(first, second, _cross(one, edge)):
+            return True
+        if _parted(first, second, _cross(other, second[(i + 1) % 3] - second[i])):
+            return True
+        for j in range(3):
+            if _parted(first, second, _cross(edge, second[(j + 1) % 3] - second[j])):
+                return True
+    return False
+
+
+@compiled
+def _cross(a: Array, b: Array) -> Array:
+    """Return the direction across two, unit length; zero of parallel ones."""
+    c = np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    length = np.sqrt((c * c).sum())
+    if length <= _PARALLEL * np.sqrt((a * a).sum() * (b * b).sum()):
+        return np.zeros(3)
+    return np.asarray(c / length)
+
+
+@compiled
+def _parted(first: Array, second: Array, along: Array) -> bool:
+    """Whether two triangles are more than `LAYER` apart in a direction."""
+    low, high, other_low, other_high = np.inf, -np.inf, np.inf, -np.inf
+    for k in range(3):
+        place = first[k, 0] * along[0] + first[k, 1] * along[1] + first[k, 2] * along[2]
+        low, high = min(low, place), max(high, place)
+        place = second[k, 0] * along[0] + second[k, 1] * along[1] + second[k, 2] * along[2]
+        other_low, other_high = min(other_low, place), max(other_high, place)
+    return low > other_high + LAYER or other_low > high + LAYER
+
+
+@compiled
+def _pierced(triangle: Array, normal: Array, other: Array, common: int) -> bool:
+    """Whether a triangle is met by the edge, opposite a common corner, of another one that does not lie on it."""
+    start, end = other[(common + 1) % 3], other[(common + 2) % 3]
+    first, second = _height(triangle, normal, start), _height(triangle, normal, end)
+    if first * second > 0.0 or (abs(first) <= LAYER and abs(second) <= LAYER):
+        return False
+    place = start + first / (first - second) * (end - start)
+    for k in range(3):
+        edge = triangle[(k + 1) % 3] - triangle[k]
+        inward, away = 0.0, 0.0
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            sideways = normal[b] * edge[c] - normal[c] * edge[b]
+            inward += sideways * (triangle[(k + 2) % 3, a] - triangle[k, a])
+            away += sideways * (place[a] - triangle[k, a])
+        if away <= -_BESIDE * inward:
+            return False
+    return True
 
 
 def barycentric(points: Array, a: Array, b: Array, c: Array) -> Array:

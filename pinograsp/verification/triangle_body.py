@@ -20,10 +20,11 @@ which needs distances only, no derivative of them. A lattice sum errs by the wav
 on the lattice. The longest of them measure 1 / sqrt(2), and the kinks that a distance has at edges and in the middle of
 walls hold little of them. The lattice is turned, to lie along no face of a body whose faces lie along its axes.
 
-**Inside.** A point that has its foot, the nearest point of all triangles, on a triangle that no other one crosses is
-inside if that side of the triangle is (`plain_faces`), by a look `BESIDE` beside its middle: narrower gaps count as
-filled. If the foot is on an edge of two such triangles, the one whose plane is farther from the point tells. All
-other points, and those next to openings, are asked for their winding number.
+**Inside.** Large triangles are looked at in pieces (`pieces`). A point that has its foot, the nearest point of all
+pieces, on one that no other one crosses is inside if that side of the piece is (`plain_faces`), by a look `BESIDE`
+beside its middle. If the foot is on an edge of two such pieces, the one whose plane is farther from the point tells.
+All other points, those next to openings, and those at pieces with another one nearer to the look, are asked for their
+winding number.
 """
 
 from __future__ import annotations
@@ -42,22 +43,25 @@ from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
+from .pieces import in_pieces
 from .plain_faces import Openings, barycentric, crossed, neighbours
 
 REACH = 4.0
 """Of the lattice of the footprint normal, in sigma."""
 TURN = (0.5, 0.3, 0.7)
 """Axis of the lattice's turn, times its angle, rad; no special one."""
-VERSION = 1
+VERSION = 2
 """Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
 BESIDE = 1e-6
-"""How far beside a triangle it is asked whether there is an outside, m."""
-PLACES = 6
-"""Along an edge, at which it is asked where a triangle has none at its middle."""
+"""How far beside a piece it is asked whether there is an outside, m."""
+ALONE = 0.85 * BESIDE
+"""How far everything is from a place beside a piece that tells of it, at least, m: more than `LAYER` less than it."""
+PLACES = 4
+"""Along an edge, at which it is asked where a piece that others cross has none at its middle."""
 PIECE, PIECES = 0.005, 30
-"""Longest edge of triangles in trees, m; of a large body its extent divided by so much, if that is more."""
+"""Longest edge of pieces, m; of a large body its extent divided by so much, if that is more."""
 _CORNER = 1e-9
 """Share of a triangle's corner in a foot below which it counts as none."""
 _LEVEL = 1e-12
@@ -96,30 +100,36 @@ class TriangleBody:
         self._around = np.ascontiguousarray(faces, dtype=np.int64)
         self.middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         """Of the bounding box, shape (3,)."""
-        self._whole = _Tree(self.vertices, self._around)
-        self._winding = igl.FastWindingNumberBVH()
-        self._winding.init(self._whole.vertices, self._whole.faces)
         self._openings = Openings(self.vertices, self._around)
-        self._corners = self.vertices[self._around]
+        longest = max(PIECE, float(np.ptp(self.vertices, axis=0).max()) / PIECES)
+        vertices, pieces, owners = in_pieces(self.vertices, self._around, longest)
+        self._whole = _Tree(vertices, pieces)
+        self._winding = igl.FastWindingNumberBVH()
+        self._winding.init(vertices, pieces)
+        self._corners = vertices[pieces]
         across = np.cross(self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0])
         self._normals = across / np.linalg.norm(across, axis=1)[:, None]
-        known = kept("bodies", self._key()[:32], self._known, lambda found: found, dict)
+        self._beside = neighbours(pieces)
+        known = kept("bodies", self._key(), self._known, lambda found: found, dict)
         self._front, self._back, self._plain = known["front"], known["back"], known["plain"]
-        self._beside = neighbours(self._around)
-        self.faces = np.ascontiguousarray(self._around[known["bounding"]])
+        bounding = known["bounding"]
+        self.faces = np.ascontiguousarray(self._around[np.unique(owners[bounding])])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
-        self._skin = self._whole if known["bounding"].all() else _Tree(self.vertices, self.faces)
+        self._skin = self._whole if bounding.all() else _Tree(vertices, np.ascontiguousarray(pieces[bounding]))
 
     def _key(self) -> str:
-        return digest(b"%d %d " % (VERSION, len(self.vertices)) + self.vertices.tobytes() + self._around.tobytes())
+        content = self.vertices.tobytes() + self._around.tobytes()
+        return digest(b"%d %d " % (VERSION, len(self.vertices)) + content)[:32]
 
     def _known(self) -> dict[str, Any]:
-        """Return which triangles bound the body, are plain, and have its inside in front of them or behind."""
+        """Return which pieces bound the body, are plain, and have its inside in front of them or behind."""
         middles, step = self._corners.mean(axis=1), BESIDE * self._normals
         front, back = self.contains(middles + step), self.contains(middles - step)
         radii = np.linalg.norm(self._corners - middles[:, None], axis=2).max(axis=1)
-        plain = ~crossed(self.vertices, self._around) & ~self._openings.near(middles, radii)
-        return {"front": front, "back": back, "plain": plain, "bounding": self._bounding(~front | ~back)}
+        plain = ~crossed(self._whole.vertices, self._whole.faces) & ~self._openings.near(middles, radii)
+        for places in (middles + step, middles - step):
+            plain &= self._whole.nearest(places)[0] > ALONE
+        return {"front": front, "back": back, "plain": plain, "bounding": self._bounding(~front | ~back, plain)}
 
     def contains(self, points: Array) -> Mask:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
@@ -137,7 +147,7 @@ class TriangleBody:
         return found
 
     def _inside(self, points: Array, numbers: Indices, feet: Array) -> Mask:
-        """Whether points are inside, given the triangles that are nearest to them and their feet on these."""
+        """Whether points are inside, given the pieces that are nearest to them and their feet on these."""
         shares = barycentric(feet, *self._corners[numbers].transpose(1, 0, 2))
         missing = shares < _CORNER
         edge = missing.sum(axis=1) == 1
@@ -160,16 +170,17 @@ class TriangleBody:
         length = float(np.linalg.norm(slope))
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
-    def _bounding(self, bounding: Mask) -> Mask:
-        """Return which triangles have an outside next to them, on one of their sides at one of many places.
+    def _bounding(self, bounding: Mask, plain: Mask) -> Mask:
+        """Return which pieces have an outside next to them, on one of their sides at one of many places.
 
         Args:
-            bounding: which have one at their middle, shape (f,).
+            bounding: which have one at their middle, shape (pieces,).
+            plain: of which that says all, shape (pieces,).
         """
         bounding = bounding.copy()
         for shares in _PLACES:
             for side in (BESIDE, -BESIDE):
-                rest = np.flatnonzero(~bounding)
+                rest = np.flatnonzero(~bounding & ~plain)
                 bounding[rest] = ~self.contains(shares @ self._corners[rest] + side * self._normals[rest])
         return bounding
 
@@ -183,12 +194,20 @@ class TriangleBody:
     @cached_property
     def sigma(self) -> float:
         """Of the footprint normal, m: the largest than which the body is thick enough (`descriptions.mesh_contact`)."""
+        return kept(
+            "bodies", f"{self._key()}-sigma", self._sigma, lambda found: {"sigma": found}, lambda of: float(of["sigma"])
+        )
+
+    def _sigma(self) -> float:
         chosen = self.vertices[self._around[:: -(-len(self._around) // FACES)]]
         across = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
         areas = np.linalg.norm(across, axis=1)
         centroids, normals = chosen.mean(axis=1), across / areas[:, None]
         for sigma in SIGMAS:
-            thick = self.contains(centroids - sigma * normals) & self.contains(centroids - 2.0 * sigma * normals)
+            thick = np.ones(len(chosen), dtype=bool)
+            for depth in (sigma, 2.0 * sigma):
+                points = centroids - depth * normals
+                thick &= self._inside(points, *self._whole.nearest(points)[1:])
             if areas[thick].sum() >= THICK_SHARE * areas.sum():
                 return sigma
         return SIGMAS[-1]
@@ -233,7 +252,7 @@ class TriangleBody:
 
 
 class _Tree:
-    """Tree of triangles; large ones in pieces, since boxes around needles hold much that is not near them.
+    """Tree of triangles.
 
     Args:
         vertices: shape (v, 3), m.
@@ -241,18 +260,14 @@ class _Tree:
     """
 
     def __init__(self, vertices: Array, faces: Integers) -> None:
-        size = max(PIECE, float(np.ptp(vertices, axis=0).max()) / PIECES)
-        found = trimesh.remesh.subdivide_to_size(vertices, faces, size, max_iter=30, return_index=True)
-        self.vertices = np.ascontiguousarray(found[0], dtype=np.float64)
-        self.faces = np.ascontiguousarray(found[1], dtype=np.int64)
-        self._owners = np.asarray(found[2])
+        self.vertices, self.faces = vertices, faces
         self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.faces)
+        self._tree.init(vertices, faces)
 
     def nearest(self, points: Array) -> tuple[Array, Indices, Array]:
         """Return distances of points, shape (n, 3), to the nearest triangle, m, its number, and the feet on it."""
         squares, numbers, feet = self._tree.squared_distance(self.vertices, self.faces, np.ascontiguousarray(points))
-        return np.sqrt(squares), self._owners[numbers], feet
+        return np.sqrt(squares), numbers, feet
 
 
 def _cut(triangles: Array, normal: Array, offset: float) -> tuple[Array, Indices]:

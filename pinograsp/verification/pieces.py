@@ -1,0 +1,60 @@
+"""Triangles in pieces without long edges: boxes around needles hold much that is not near them.
+
+Edges are halved, each for all triangles that have it, so that pieces share corners and edges as triangles do.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array, Indices, Integers
+
+
+def in_pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, Integers, Indices]:
+    """Return triangles with no edge longer than a length, m: corners, faces, and the face that each is a piece of.
+
+    Args:
+        vertices: shape (v, 3), m.
+        faces: shape (f, 3).
+        longest: m.
+    """
+    owners = np.arange(len(faces))
+    while True:
+        ends = faces[:, [[1, 2], [2, 0], [0, 1]]]  # of the edges opposite the corners
+        long = np.linalg.norm(vertices[ends[:, :, 1]] - vertices[ends[:, :, 0]], axis=2) > longest
+        if not long.any():
+            return np.ascontiguousarray(vertices, dtype=np.float64), np.ascontiguousarray(faces, dtype=np.int64), owners
+        edges, numbers = np.unique(np.sort(ends[long], axis=1), axis=0, return_inverse=True)
+        middles = np.full(faces.shape, -1)
+        middles[long] = len(vertices) + numbers.ravel()
+        vertices = np.vstack([vertices, 0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]])])
+        count = long.sum(axis=1)
+        found, of = [faces[count == 0]], [owners[count == 0]]
+        for many in (1, 2, 3):
+            chosen = np.flatnonzero(count == many)
+            odd = (long if many == 1 else ~long)[chosen].argmax(axis=1)
+            order = (odd[:, None] + np.arange(3)) % 3
+            corners = np.take_along_axis(faces[chosen], order, axis=1).T
+            parts = _parts(many, vertices, corners, np.take_along_axis(middles[chosen], order, axis=1).T)
+            found += [np.stack(part, axis=1) for part in parts]
+            of += [owners[chosen]] * len(parts)
+        faces, owners = np.concatenate(found), np.concatenate(of)
+
+
+def _parts(many: int, vertices: Array, corners: Integers, middles: Integers) -> list[tuple[Integers, ...]]:
+    """Return the parts of triangles with so many halved edges, as their three corners.
+
+    Args:
+        many: number of edges that are halved; a single one, or a single other one, is opposite the first corner.
+        vertices: shape (v, 3), m.
+        corners: shape (3, n).
+        middles: of the edges opposite them, shape (3, n).
+    """
+    (a, b, c), (bc, ca, ab) = corners, middles
+    if many == 1:
+        return [(a, b, bc), (a, bc, c)]
+    if many == 3:
+        return [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    ways = [np.linalg.norm(vertices[q] - vertices[p], axis=1) for p, q in ((ab, c), (b, ca))]
+    shorter = ways[0] < ways[1]  # of the diagonals of what is left without the corner a
+    return [(a, ab, ca), (ab, b, np.where(shorter, c, ca)), (np.where(shorter, ab, b), c, ca)]
