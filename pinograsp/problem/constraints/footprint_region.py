@@ -14,9 +14,9 @@ by as much as it is long, tilting lifts its rim by about the rubber's depth: hen
 outside would be lifted, against the contact gap.
 
 Between a point i that is touched and inside and a neighbour j that is neither, v is less than at both where m and l
-cross. With differences m' and l' from i to j that place is a share t of the way to j, and the value there
+cross: by linear interpolation at a share t of the way to j. With the slopes m' and l' there along that way the value is
 
-    t = (m - l) / (l' - m') at i,    v = (l' m(q) - m' l) / (l' - m'),    which does not change with t.
+    v = (l' m(q) - m' l) / (l' - m'),    which does not change with t.
 
 A row is the least v over a cell of a pad's face. The contact point always touches: a row of its own is its m.
 """
@@ -41,7 +41,7 @@ from ..task_model import TaskModel
 
 CELLS = 4
 """A pad's face has so many cells along each edge, each with a row: the places of least values move on with the pad."""
-SPACING = 0.002
+SPACING = 0.0025
 """Largest distance of neighbouring points along the edges of a face, m."""
 LIFT = 20.0
 """Length of slide that counts as much as one of lift."""
@@ -182,7 +182,11 @@ class FootprintRegion(Inside):
         least = order[np.unique(cells[order], return_index=True)[1]]
         i, j, t = i[least], j[least], t[least, None]
         looked = self._looks((1.0 - t) * seen.points[i] + t * seen.points[j], z, depth)
-        return cells[least], rising[least] / (rising + falling)[least], looked
+        ways = seen.points[j] - seen.points[i]
+        approach = (looked.normals * ways).sum(axis=1)
+        falling = np.maximum(0.0, -(looked.slopes * ways).sum(axis=1) - (looked.slopes @ z) * approach)
+        rising = np.maximum(0.0, LIFT * approach)
+        return cells[least], rising / np.maximum(rising + falling, np.finfo(float).tiny), looked
 
     def _membership(self, points: Array) -> tuple[Array, Array]:
         """Return membership (n,) of world points and its gradient (n, 3) in the world."""
