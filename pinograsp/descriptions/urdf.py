@@ -311,6 +311,8 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
         for kind in ("visual", "collision"):
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 address = mesh.get("filename", "")
+                if not address and kind == "collision":
+                    raise InputError("a <mesh> names no file", file=file, key=f"link {link.get('name')}")
                 found = resolve(address, beside=file, folders=folders)
                 if found is not None:
                     mesh.set("filename", str(found))
