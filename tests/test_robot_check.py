@@ -183,6 +183,20 @@ def test_all_joints_without_limits_are_named(check: Check) -> None:
     assert not given.wrong
 
 
+def test_whole_turns_with_few_digits_are_no_wide_limits(check: Check) -> None:
+    assert said(check({'"-1.5" upper="1.5"': '"-6.2832" upper="6.2832"'}), "doubtful") == []
+
+
+def test_links_that_collide_in_one_posture_are_one_finding(check: Check) -> None:
+    (what,) = (what for what in said(check({'xyz="0 0 -0.05"': 'xyz="0.0 0 0.22"'}), "doubtful") if "at zero" in what)
+    assert what == "with joints at zero, base and left, base and right collide"
+
+
+def test_a_mesh_without_a_file_is_said(check: Check) -> None:
+    (what,) = said(check({'<box size="0.1 0.1 0.04"/>': "<mesh/>"}), "wrong")
+    assert what.endswith("toy.urdf: link base: a <mesh> names no file")
+
+
 def test_where_a_mesh_was_looked_for(check: Check, tmp_path: Path) -> None:
     (finding,) = check({'<box size="0.1 0.1 0.04"/>': '<mesh filename="package://parts/a.stl"/>'}).findings
     assert "toy.urdf: link base: mesh package://parts/a.stl was not found" in finding.what

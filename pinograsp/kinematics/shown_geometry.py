@@ -51,7 +51,8 @@ def _drawable(elements: list[ET.Element], place: Place, loader: coal.CachedMeshL
                 _require_drawable(mesh, np.array(size), loader)
             found.elements.append(element)
         except FileError as error:
-            found.problems.append(f"{error.file} {error.problem}")
+            address = next(element.iterfind("geometry/mesh")).get("filename")
+            found.problems.append(f"{address} {error.problem}")
         except InputError as error:
             found.problems.append(error.problem)
     return found
