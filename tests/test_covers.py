@@ -454,9 +454,9 @@ def test_collision_block_that_makes_no_sense(make_toy: RobotFactory, collision: 
 @pytest.mark.parametrize(
     ("geometry", "problem"),
     [
-        ("<geometry><box/></geometry>", "size of a collision's <box> has 0 numbers, not 3"),
+        ("<geometry><box/></geometry>", "size of a <box> has 0 numbers, not 3"),
         ('<geometry><box size="0.1 0.2"/></geometry>', "has 2 numbers, not 3"),
-        ('<geometry><cylinder radius="0.1"/></geometry>', "length of a collision's <cylinder> has 0 numbers"),
+        ('<geometry><cylinder radius="0.1"/></geometry>', "length of a <cylinder> has 0 numbers"),
         ('<geometry><sphere radius="wide"/></geometry>', "'wide' is not a number"),
         ('<geometry><sphere radius="-0.1"/></geometry>', "not positive"),
         ('<origin xyz="1 2"/><geometry><sphere radius="0.1"/></geometry>', "xyz of <origin> has 2 numbers, not 3"),

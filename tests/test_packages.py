@@ -103,6 +103,20 @@ def test_another_case_is_said(address: str, tmp_path: Path) -> None:
     assert caught.value.key == "link left" and address in caught.value.problem
 
 
+def test_a_new_robot_file_is_told_of_another_case_in_a_package(tmp_path: Path) -> None:
+    mesh = package(tmp_path / "jaw-main", "jaw")
+    robot_file(tmp_path / "jaw-main" / "urdf", "package://jaw/Meshes/f.STL")
+    with pytest.raises(FileError, match=f"There is {mesh}: upper and lower case count"):
+        pinograsp.new_robot_file(tmp_path / "jaw-main" / "urdf" / "toy.urdf", tmp_path / "robots" / "robot.yaml")
+
+
+def test_a_name_in_a_comment_is_not_that_of_a_package(tmp_path: Path) -> None:
+    mesh = package(tmp_path / "ws" / "jaw-main", "jaw")
+    file = tmp_path / "ws" / "jaw-main" / "package.xml"
+    file.write_text(f"<!-- <name>template</name> -->{file.read_text()}")
+    assert mesh_of(robot_file(tmp_path / "r", "package://jaw//meshes/f.stl", ("../ws",))) == mesh
+
+
 def test_a_package_that_is_not_found_has_a_remedy(tmp_path: Path) -> None:
     file = robot_file(tmp_path / "r", "model://jaw/meshes/f.stl")
     with pytest.raises(FileError, match=r"packages: \[jaw=FOLDER\].*--packages jaw=FOLDER"):

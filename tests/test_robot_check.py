@@ -6,10 +6,12 @@ import html
 import json
 import re
 import sys
+import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -19,6 +21,7 @@ from conftest import TOY_ROBOT, TOY_URDF, Array, Run
 
 from pinograsp import Progress, Robot, cli
 from pinograsp.descriptions import urdf
+from pinograsp.kinematics.shown_geometry import shown_of
 from pinograsp.onboarding.check import RobotReport, check_robot
 from pinograsp.visualization.pads import surface
 from pinograsp.visualization.robot_page import write_robot_html
@@ -146,7 +149,7 @@ LONGER = '<origin xyz="0 0 0.1"/><geometry><box size="0.07 0.04 0.4"/>'
             {'<link name="base">': '<link name="base"><visual><geometry><mesh filename="a.dae"/></geometry></visual>'},
             {},
             "doubtful",
-            "a mesh for show of link base was not found: a.dae",
+            "link base is not drawn as it is to be shown: a.dae was not found",
         ),
         (
             {"</robot>": '<link name="cup"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>'
@@ -180,11 +183,84 @@ def test_all_joints_without_limits_are_named(check: Check) -> None:
     assert not given.wrong
 
 
+def test_whole_turns_with_few_digits_are_no_wide_limits(check: Check) -> None:
+    assert said(check({'"-1.5" upper="1.5"': '"-6.2832" upper="6.2832"'}), "doubtful") == []
+
+
+def test_links_that_collide_in_one_posture_are_one_finding(check: Check) -> None:
+    (what,) = (what for what in said(check({'xyz="0 0 -0.05"': 'xyz="0.0 0 0.22"'}), "doubtful") if "at zero" in what)
+    assert what == "with joints at zero, base and left, base and right collide"
+
+
+def test_a_mesh_without_a_file_is_said(check: Check) -> None:
+    (what,) = said(check({'<box size="0.1 0.1 0.04"/>': "<mesh/>"}), "wrong")
+    assert what.endswith("toy.urdf: link base: a <mesh> names no file")
+
+
 def test_where_a_mesh_was_looked_for(check: Check, tmp_path: Path) -> None:
     (finding,) = check({'<box size="0.1 0.1 0.04"/>': '<mesh filename="package://parts/a.stl"/>'}).findings
     assert "toy.urdf: link base: mesh package://parts/a.stl was not found" in finding.what
     assert str(tmp_path) in finding.remedy
     assert "cmeel.prefix/share" in finding.remedy
+
+
+BROKEN = {
+    "a mesh": ('<mesh filename="{}"/>', "v.stl", b"no mesh", "cannot be read as STL"),
+    "a cut mesh": ('<mesh filename="{}"/>', "v.dae", b"<COLLADA>", "cannot be read as DAE"),
+    "a pointer": (
+        '<mesh filename="{}"/>',
+        "v.stl",
+        b"version https://git-lfs.github.com/spec/v1",
+        "pointer of Git LFS",
+    ),
+    "an endless corner": ('<mesh filename="{}"/>', "v.obj", b"v inf 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
+    "a mesh of no file": ("<mesh/>", "v.stl", b"", "names no file"),
+    "a shape of no size": ("<box/>", "v.stl", b"", "size of a <box> has 0 numbers"),
+    "an unknown shape": ('<torus radius="1"/>', "v.stl", b"", "a visual is a <torus>"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_what_is_broken_and_only_shown_ends_no_check(
+    case: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    shape, name, content, words = BROKEN[case]
+    shown = shape.format(name)
+    write_toy(tmp_path, {'<link name="base">': f'<link name="base"><visual><geometry>{shown}</geometry></visual>'})
+    (tmp_path / name).write_bytes(content)
+    report = check_robot(tmp_path / "robot.yaml")
+    (finding,) = (finding for finding in report.findings if finding.level != "ok")
+    assert finding.level == "doubtful"
+    assert finding.what.startswith("link base is not drawn as it is to be shown: ")
+    assert words in finding.what
+    assert report.robot is not None
+    (drawn,) = read_shown(report.robot, "base")
+    assert drawn.find("geometry/box") is not None  # as it collides
+    write_robot_html(report.robot, tmp_path / "page.html", report.findings)
+    assert "urdf_parser" not in capfd.readouterr().err  # which complains of shapes that it does not know
+
+
+def test_a_texture_that_is_missing_is_said(tmp_path: Path) -> None:
+    """The viewer draws a COLLADA file with all of its textures or not at all."""
+    visual = '<visual><geometry><mesh filename="v.dae"/></geometry></visual>'
+    write_toy(tmp_path, {'<link name="base">': f'<link name="base">{visual}'})
+    content = trimesh.creation.box([0.1, 0.1, 0.04]).export(file_type="dae").decode()
+    texture = "<library_images><image id='wood'><init_from>wood.png</init_from></image></library_images>"
+    (tmp_path / "v.dae").write_text(content.replace("<library_geometries>", texture + "<library_geometries>"))
+    report = check_robot(tmp_path / "robot.yaml")
+    (what,) = said(report, "doubtful")
+    assert what.endswith("v.dae names a texture that was not found, wood.png")
+    (tmp_path / "wood.png").write_bytes(b"")
+    assert said(check_robot(tmp_path / "robot.yaml"), "doubtful") == []
+    assert report.robot is not None
+    write_robot_html(report.robot, tmp_path / "page.html")
+
+
+def read_shown(robot: Robot, name: str) -> list[ET.Element]:
+    """Return what is shown of a link."""
+    link = robot.urdf.composed.tree.find(f"link[@name='{name}']")
+    assert link is not None
+    return shown_of(link, robot.description.urdf_file, coal.CachedMeshLoader()).elements
 
 
 def test_a_joint_at_rest_on_purpose_is_not_doubtful(check: Check) -> None:

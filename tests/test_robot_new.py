@@ -265,10 +265,44 @@ def test_what_cannot_be_known_is_marked(tmp_path: Path) -> None:
                         f'<child link="lid"/><axis xyz="0 0 1"/>{LIMIT.format(0, 1)}</joint></robot>')  # fmt: skip
     robot, text = loaded(written(tmp_path / "toy.urdf", text), tmp_path / "robot.yaml")
     marked = "\n".join(checks(text))
-    assert "shoulder: [-0.8, 0.8]    # CHECK: a guess, the URDF has none" in marked
+    assert f"shoulder: {[-np.pi, np.pi]}    # CHECK: a guess, the URDF has none" in marked
     assert "wrist: arm    # CHECK: its z axis should point to the pads, it does not" in marked
     assert "# CHECK: 1 joint of neither arm nor hand, at zero for good: hinge" in marked
-    assert robot.lower[0] == -0.8
+    assert robot.lower[0] == -np.pi
+
+
+@pytest.mark.parametrize(
+    ("limit", "guess", "given"),
+    [("", [-np.pi, np.pi], "none"), (LIMIT.format(1.5, -0.5), [-0.5, 1.5], "1.5 .. -0.5")],
+    ids=["no limits", "the wrong way round"],
+)
+def test_limits_that_are_guessed(limit: str, guess: list[float], given: str, tmp_path: Path) -> None:
+    """A new file has them with a mark; without them, the check names the joint."""
+    text = TOY_URDF.replace('<limit lower="-1.5" upper="1.5" effort="1" velocity="1"/>', limit)
+    assert text != TOY_URDF
+    robot, text = loaded(written(tmp_path / "toy.urdf", text), tmp_path / "robot.yaml")
+    assert f"shoulder: {guess}    # CHECK: a guess, the URDF has {given}" in text
+    assert [robot.lower[0], robot.upper[0]] == guess
+    lines = [line for line in text.splitlines() if "shoulder: [" not in line and "  limits:" not in line]
+    (tmp_path / "robot.yaml").write_text("\n".join(lines))
+    (finding,) = pinograsp.check_robot(tmp_path / "robot.yaml").findings
+    assert finding.level == "wrong"
+    assert finding.what.startswith("joint shoulder has no usable limits")
+
+
+def test_joints_that_cannot_stay_at_zero_stay_near_it(tmp_path: Path) -> None:
+    """Those of neither arm nor hand, as the knees below an arm that a walking robot carries."""
+    legs = "".join(
+        f'<link name="{name}"/><joint name="{name}_knee" type="revolute"><parent link="base"/><child link="{name}"/>'
+        f'<axis xyz="0 0 1"/>{LIMIT.format(*ends)}</joint>'
+        for name, ends in {"left_leg": (-2.5, -0.6), "right_leg": (0.25, 1.0), "tail": (-1, 1)}.items()
+    )
+    robot, text = loaded(
+        written(tmp_path / "toy.urdf", TOY_URDF.replace("</robot>", f"{legs}</robot>")), tmp_path / "robot.yaml"
+    )
+    assert robot.description.hand.rest == {"left_leg_knee": -0.6, "right_leg_knee": 0.25}
+    assert "left_leg_knee: -0.6    # CHECK: it cannot be at 0" in text
+    assert "3 joints of neither arm nor hand, for good at zero, or as near to it as they can be: " in text
 
 
 def test_hand_without_flat_faces(run: Run, tmp_path: Path) -> None:

@@ -69,12 +69,25 @@ PLACEHOLDERS = {
         '<link name="palm" xacro:if="1"><gazebo:material/>',
         "2 names with a prefix that stands for nothing",
     ),
+    "blank lines before the declaration": (
+        '<robot name="little">',
+        '\n <?xml version="1.0"?><robot name="little">',
+        None,
+    ),
+    "a colour that is none": (
+        '<link name="palm">',
+        '<material name="m"><color rgba="nan 0 0 255"/></material><link name="palm"><visual><geometry>'
+        '<box size="1 1 1"/></geometry><material name="m"/></visual>',
+        None,
+    ),
     "a type in other letters": ('name="a1" type="revolute"', 'name="a1" type="Revolute"', "of a1, taken as revolute"),
 }
 
 
 @pytest.mark.parametrize(("old", "new", "remark"), PLACEHOLDERS.values(), ids=PLACEHOLDERS)
-def test_what_does_not_matter_is_passed_over(old: str, new: str, remark: str | None, tmp_path: Path) -> None:
+def test_what_does_not_matter_is_passed_over(
+    old: str, new: str, remark: str | None, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     """The robot is the one without it, for both readers, can be drawn, and the check says what was passed over."""
     plain = pinograsp.load_robot(written(tmp_path, arm(parallel_jaw())))
     wanted, elements = poses(plain), link_elements(plain.urdf.composed, plain.description.urdf_file)
@@ -87,6 +100,7 @@ def test_what_does_not_matter_is_passed_over(old: str, new: str, remark: str | N
     assert [(e.link, e.kind, e.size) for e in again] == [(e.link, e.kind, e.size) for e in elements]
     assert read_robot(robot.description).meshes.keys() == {e.link for e in elements}
     pinograsp.visualization.write_robot_html(robot, tmp_path / "page.html")
+    assert "urdf_parser" not in capfd.readouterr().err
     said = [what for what in robot.urdf.composed.remarks if remark is not None and remark in what]
     assert (len(said), len(robot.urdf.composed.remarks)) == ((0, 0) if remark is None else (1, 1))
 
@@ -104,6 +118,21 @@ def test_a_plate_without_thickness_is_refused(tmp_path: Path) -> None:
     urdf = arm(parallel_jaw()).replace('<link name="palm">', f'<link name="palm">{box("0 0 0", "0.1 0.1 0")}')
     with pytest.raises(InputError, match="link palm: the size of a <box> is not positive"):
         link_elements(pinograsp.load_robot(written(tmp_path, urdf)).urdf.composed, tmp_path / "arm.urdf")
+
+
+@pytest.mark.parametrize(
+    ("sizes", "words"),
+    [('radius="0.1"', "radius 0.1 and length 0"), ('radius="-1" length="1"', "radius -1 and length 1")],
+)
+def test_a_capsule_without_sizes_of_one_is_refused_where_it_collides(sizes: str, words: str, tmp_path: Path) -> None:
+    capsule = f"<capsule {sizes}/>"
+    collides, shown = (solid("0 0 0", capsule, tag) for tag in ("collision", "visual"))
+    urdf = arm(parallel_jaw())
+    with pytest.raises(InputError, match=f"link palm: a <capsule> has {words}"):
+        pinograsp.load_robot(written(tmp_path, urdf.replace('<link name="palm">', f'<link name="palm">{collides}')))
+    file = written(tmp_path, urdf.replace('<link name="palm">', f'<link name="palm">{shown}'))
+    (finding,) = (finding for finding in pinograsp.check_robot(file).findings if finding.level != "ok")
+    assert finding.what == "link palm is not drawn as it is to be shown: a visual is a <capsule>"
 
 
 @pytest.mark.parametrize("tag", ["xacro:macro", "xacro:if"])

@@ -24,6 +24,7 @@ from ..disk import is_file
 SCHEMES = ("package://", "model://")
 _FIND = re.compile(r"\$\(\s*(?:find|find-pkg-share)\s+([^)\s]+)\s*\)[/\\]?(.*)", re.DOTALL)
 _NAMED = re.compile(r"([A-Za-z0-9][A-Za-z0-9_.-]*)=(.+)", re.DOTALL)
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 _DEPTH = 3
 """Folders below a listed one, one in the other, in which a `package.xml` is looked for."""
@@ -50,7 +51,7 @@ def _read(text: str) -> Address:
     for scheme in SCHEMES:
         if text.startswith(scheme):
             name, _, rest = text.removeprefix(scheme).partition("/")
-            return Address(name, rest)
+            return Address(name, rest.lstrip("/"))
     if text.startswith("file:"):
         text = text.removeprefix("file://").removeprefix("localhost").removeprefix("file:")
     found = _FIND.fullmatch(text)
@@ -111,7 +112,7 @@ def package_name(folder: Path) -> str | None:
     """Return the name of the package in a folder by its `package.xml`; None without one."""
     with suppress(OSError):
         with (folder / "package.xml").open("rb") as file:
-            found = _NAME.search(file.read(_MOST_BYTES))
+            found = _NAME.search(_COMMENT.sub(b"", file.read(_MOST_BYTES)))
         return None if found is None else found[1].decode("utf-8", "replace")
     return None
 

@@ -22,7 +22,7 @@ from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
 from .held_joints import hold
 from .locate import not_found, package_folders, resolve
-from .urdf_checks import check_joints, check_tree, has_numbers, number
+from .urdf_checks import LIMITED, check_joints, check_tree, has_numbers, is_color, number
 from .urdf_repairs import repair, show_as_collision
 
 Pairs = dict[frozenset[str], frozenset[str]]
@@ -189,16 +189,23 @@ def _held(
 
 
 def _strip(tree: ET.Element) -> None:
-    """Take out what nothing here asks for; of limits, Pinocchio wants to have effort and velocity."""
+    """Take out what nothing here asks for; Pinocchio wants to have limits, and effort and velocity of them."""
     for part in (*tree.findall("link"), *tree.findall("joint")):
         for element in [element for element in part if element.tag in _NOT_ASKED_FOR]:
             part.remove(element)
         for inertial in part.findall("inertial"):
             if not has_numbers(inertial):  # the link counts as one that has none
                 part.remove(inertial)
-    for limit in tree.iterfind("joint/limit"):
-        limit.set("effort", "0")
-        limit.set("velocity", "0")
+    for parent in list(tree.iter()):
+        for material in parent.findall("material"):
+            if any(not is_color(color.get("rgba", "")) for color in material.findall("color")):
+                parent.remove(material)
+    for joint in tree.findall("joint"):
+        if joint.find("limit") is None and joint.get("type") in LIMITED:
+            ET.SubElement(joint, "limit")
+        for limit in joint.findall("limit"):
+            limit.set("effort", "0")
+            limit.set("velocity", "0")
 
 
 def parse(file: Path, tag: str) -> ET.Element:
@@ -217,7 +224,12 @@ def parse(file: Path, tag: str) -> ET.Element:
 
 
 def _read(content: bytes) -> ET.Element:
-    """Return the root element; where a prefix stands for nothing, names with a prefix keep it, with their colon."""
+    """Return the root element; where a prefix stands for nothing, names with a prefix keep it, with their colon.
+
+    Blank lines before the declaration, which other readers of URDFs skip, are skipped.
+    """
+    if (begun := content.lstrip()).startswith(b"<?xml"):
+        content = begun
     try:
         return ET.fromstring(content)
     except ET.ParseError as error:
@@ -311,6 +323,8 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
         for kind in ("visual", "collision"):
             for mesh in link.iterfind(f"{kind}/geometry/mesh"):
                 address = mesh.get("filename", "")
+                if not address and kind == "collision":
+                    raise InputError("a <mesh> names no file", file=file, key=f"link {link.get('name')}")
                 found = resolve(address, beside=file, folders=folders)
                 if found is not None:
                     mesh.set("filename", str(found))

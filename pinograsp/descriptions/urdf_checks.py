@@ -11,6 +11,8 @@ from ..errors import InputError
 
 XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}", "xacro:")
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+LIMITED = ("revolute", "prismatic")
+"""Types of joints that have limits; those of one that has none are 0 and 0."""
 LOOSE = ("floating", "planar")
 """Types of joints that more than one number moves: a robot file cuts them off or holds them."""
 ONE_TREE = "The links of a URDF form one tree"
@@ -69,6 +71,12 @@ def has_numbers(inertial: ET.Element) -> bool:
         if tag != "origin" and None in texts:
             return False
     return True
+
+
+def is_color(rgba: str) -> bool:
+    """Whether a text has the four numbers from 0 to 1 of a colour."""
+    parts = rgba.split()
+    return len(parts) == 4 and all(_PLAIN.fullmatch(part) and 0.0 <= float(part) <= 1.0 for part in parts)
 
 
 def usable(low: float, high: float) -> bool:
@@ -170,5 +178,3 @@ def check_joints(root: ET.Element, file: Path) -> None:
         if kind not in JOINT_TYPES:
             remedy = f"Use {', '.join(JOINT_TYPES[:-1])} or {JOINT_TYPES[-1]}"
             raise InputError(f"joint type {kind!r} is not supported", file=file, key=key, remedy=remedy)
-        if kind in {"revolute", "prismatic"} and joint.find("limit") is None:
-            raise InputError("has no <limit>", file=file, key=key, remedy="Add <limit lower=... upper=...>")

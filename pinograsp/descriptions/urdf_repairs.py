@@ -110,7 +110,7 @@ def _geometry(link: ET.Element, tag: str, file: Path) -> list[str]:
         elif shape.tag in SIZES and _is_nothing(shape, file, f"link {name}"):
             link.remove(element)
             remarks.append(f"<{shape.tag}> of link {name} without size")
-        elif shape.tag == "capsule":
+        elif shape.tag == "capsule" and (tag == "collision" or min(_capsule_sizes(shape)) > 0.0):
             where = list(link).index(element)
             link.remove(element)
             for part in reversed(_capsule(element, shape, file, f"link {name}")):
@@ -126,9 +126,14 @@ def _is_nothing(shape: ET.Element, file: Path, key: str) -> bool:
     return sum(size != 0.0 for size in sizes) < 2 if shape.tag == "box" else sizes[0] == 0.0
 
 
+def _capsule_sizes(shape: ET.Element) -> list[float]:
+    """Return radius and length of a capsule, 0 for what is not given, m."""
+    return [float(shape.get(name, 0.0)) for name in SIZES["capsule"]]
+
+
 def _capsule(element: ET.Element, shape: ET.Element, file: Path, key: str) -> list[ET.Element]:
     """Return a capsule as a cylinder, which its length is that of, and two balls at its ends."""
-    sizes = [number(shape.get(name, ""), file, key) for name in SIZES["capsule"]]
+    sizes = _capsule_sizes(shape)
     if min(sizes) <= 0.0:
         problem = f"a <capsule> has radius {sizes[0]:g} and length {sizes[1]:g}"
         raise InputError(problem, file=file, key=key, remedy="Both are wanted, in metres; the length without the caps")

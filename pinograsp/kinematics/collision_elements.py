@@ -76,7 +76,7 @@ def link_elements(urdf: RobotUrdf, file: Path) -> list[LinkElement]:
     return [element for link in urdf.tree.findall("link") for element in _of_link(link, file)]
 
 
-class _Place(NamedTuple):
+class Place(NamedTuple):
     """Where an element stands, for errors."""
 
     file: Path
@@ -87,18 +87,25 @@ class _Place(NamedTuple):
 
 
 def _of_link(link: ET.Element, file: Path) -> Iterator[LinkElement]:
-    place = _Place(file, link.get("name", ""))
+    place = Place(file, link.get("name", ""))
     for element in link.findall("collision"):
-        kind, size, mesh = _shape(element, place)
+        kind, size, mesh = shape_of(element, place)
         yield LinkElement(place.link, _origin(element, place), kind, size, mesh)
 
 
-def _shape(element: ET.Element, place: _Place) -> tuple[str, tuple[float, ...], Path | None]:
+def shape_of(element: ET.Element, place: Place) -> tuple[str, tuple[float, ...], Path | None]:
+    """Return kind, size and mesh, as `LinkElement` has them, of a `<collision>` or `<visual>`.
+
+    Raises:
+        InputError: it has no geometry, or one that is not understood.
+    """
     shape = element.find("geometry/*")
     if shape is None or shape.tag not in _SIZES:
-        problem = "a collision has no geometry" if shape is None else f"a collision is a <{shape.tag}>"
-        raise place.error(problem, f"Use {', '.join(_SIZES)}")
+        problem = "has no geometry" if shape is None else f"is a <{shape.tag}>"
+        raise place.error(f"a {element.tag} {problem}", f"Use {', '.join(_SIZES)}")
     if shape.tag == "mesh":
+        if not shape.get("filename"):
+            raise place.error(f"the <mesh> of a {element.tag} names no file")
         scale = _numbers(shape, "scale", 3, place) if shape.get("scale") else (1.0, 1.0, 1.0)
         return shape.tag, scale, Path(shape.get("filename", ""))
     size = [v for key, count in _SIZES[shape.tag].items() for v in _numbers(shape, key, count, place)]
@@ -107,7 +114,7 @@ def _shape(element: ET.Element, place: _Place) -> tuple[str, tuple[float, ...], 
     return shape.tag, tuple(size), None
 
 
-def _origin(element: ET.Element, place: _Place) -> Array:
+def _origin(element: ET.Element, place: Place) -> Array:
     """Return the pose of a collision in its link's frame, shape (4, 4)."""
     pose, origin = np.eye(4), element.find("origin")
     if origin is not None and origin.get("xyz"):
@@ -117,8 +124,8 @@ def _origin(element: ET.Element, place: _Place) -> Array:
     return pose
 
 
-def _numbers(element: ET.Element, key: str, count: int, place: _Place) -> tuple[float, ...]:
+def _numbers(element: ET.Element, key: str, count: int, place: Place) -> tuple[float, ...]:
     values = tuple(number(text, place.file, f"link {place.link}") for text in element.get(key, "").split())
     if len(values) != count:
-        raise place.error(f"{key} of a collision's <{element.tag}> has {len(values)} numbers, not {count}")
+        raise place.error(f"{key} of a <{element.tag}> has {len(values)} numbers, not {count}")
     return values

@@ -93,7 +93,7 @@ def _holding(address: str, urdf: Path) -> tuple[str | None, Path] | None:
     """Return the innermost folder with which an address in a URDF leads to a file.
 
     That is one above the URDF; or, with the name of the package, that of the package, above or beside the URDF, by its
-    `package.xml`, or as it has the file.
+    `package.xml`, also if it lacks the file, or as it has the file.
     """
     for package, path in readings(address):
         if package is None:
@@ -110,6 +110,8 @@ def _holding(address: str, urdf: Path) -> tuple[str | None, Path] | None:
         for folder in (*ones, *above):
             if (folder / path).is_file():
                 return package, folder
+        if ones:  # not the file, but then what is to be done about that can be said
+            return package, ones[0]
     return None
 
 

@@ -23,6 +23,8 @@ from .findings import Finding
 
 CENTRAL = 0.9
 """Part of a joint's range where zero counts as its neutral position; else the middle of the range does."""
+MOST_PAIRS = 12
+"""Pairs of links that one finding names."""
 
 Links = frozenset[str]
 
@@ -56,15 +58,18 @@ def _overlapping(
     posture: str, overlaps: dict[Links, float], poses: Mapping[str, Array], meshes: Mapping[str, TriangleMesh]
 ) -> Iterator[Finding]:
     """Tell overlaps of the pieces, which contain the meshes, from overlaps of the meshes."""
+    colliding = []
     for links in sorted(overlaps, key=_words):
         first, second = links
         if meshes[first].overlaps(meshes[second], np.linalg.inv(poses[first]) @ poses[second]):
-            remedy = "Look at the picture; if they are meant to touch there, excuse the pair in an SRDF"
-            yield Finding("doubtful", f"with {posture}, {_words(links)} collide", remedy)
+            colliding.append(_words(links))
         else:
             depth = f"overlap by {1e3 * overlaps[links]:.1f} mm, the meshes do not"
             remedy = "Raise the number of their pieces under collision.links"
             yield Finding("doubtful", f"with {posture}, convex pieces of {_words(links)} {depth}", remedy)
+    if colliding:
+        remedy = "Look at the picture; if they are meant to touch there, excuse the pairs in an SRDF"
+        yield Finding("doubtful", f"with {posture}, {in_words(colliding, MOST_PAIRS)} collide", remedy)
 
 
 def _found_without_srdf(excused: frozenset[Links], tree: UrdfTree) -> Finding:

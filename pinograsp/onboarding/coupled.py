@@ -13,6 +13,7 @@ from ..geometry.patches import patch_point
 from ..kinematics.robot import Robot
 from ..kinematics.tree import TreeJoint, UrdfTree
 from .findings import Finding
+from .pad_text import number
 from .yaml_text import text, texts
 
 ALIKE = 0.05
@@ -49,7 +50,7 @@ class Coupled:
     @property
     def rest(self) -> str | None:
         """Where the second joint is when the first is at 0, as a robot file has it; None: at 0, too."""
-        return None if self.offset == 0.0 else f"{{{text(self.second)}: {self.offset:.9g}}}"
+        return None if self.offset == 0.0 else f"{text(self.second)}: {number(self.offset)}"
 
     @property
     def apart(self) -> str:
@@ -97,7 +98,7 @@ def coupled_findings(robot: Robot) -> Iterator[Finding]:
         pads.append(Facing(pad.link, R @ middle.point + pad.patch.origin, R @ middle.normal))
     found = coupled_joints(robot.urdf.tree, [synergy.joint for synergy in hand if synergy.joint is not None], pads)
     if found is not None and len(hand) == 2:
-        rest = "" if found.rest is None else f" and hand.rest: {found.rest}"
+        rest = "" if found.rest is None else f" and hand.rest: {{{found.rest}}}"
         yield Finding("doubtful", found.said, f"If they move together, hand.synergies: [{found.synergy}]{rest}")
 
 

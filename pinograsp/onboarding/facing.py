@@ -45,13 +45,21 @@ class Pairing(NamedTuple):
     second: int
 
 
-def usual_limits(joint: TreeJoint) -> tuple[float, float] | None:
-    """Return limits to begin with for a joint that has no usable ones, rad (m); None for one that has."""
-    if joint.kind == "continuous" or usable(*joint.limits):
+def usual_limits(joint: TreeJoint, turn: tuple[float, float] = USUAL_TURN) -> tuple[float, float] | None:
+    """Return limits to begin with for a joint that has no usable ones, rad (m); None for one that has.
+
+    Args:
+        joint: a joint.
+        turn: those of one that turns, where the URDF tells nothing.
+    """
+    low, high = joint.limits
+    if joint.kind == "continuous" or usable(low, high):
         return None
-    if joint.kind == "revolute" and joint.limits[0] < -WIDEST and joint.limits[1] > WIDEST:
+    if usable(high, low):
+        return high, low
+    if joint.kind == "revolute" and low < -WIDEST and high > WIDEST:
         return (-2.0 * math.pi, 2.0 * math.pi)  # as of a joint that turns freely, which it is meant to be
-    return USUAL_RANGE.get(joint.kind, USUAL_TURN)
+    return USUAL_RANGE.get(joint.kind, turn)
 
 
 def facing(facets: Sequence[Facet], tree: UrdfTree, palm: str, hand: Sequence[str]) -> tuple[Facet, ...]:

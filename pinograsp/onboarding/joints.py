@@ -18,6 +18,8 @@ from .findings import Finding
 
 WIDEST = {"revolute": 4 * math.pi, "prismatic": 10.0}
 """Limits farther apart than this, rad (m), are hardly those of a real joint."""
+ROUNDED = 1.001
+"""As limits are that were written with few digits, such as 6.2832."""
 
 
 def unusable_limits(description: RobotDescription, urdf: RobotUrdf) -> Iterator[Finding]:
@@ -94,7 +96,7 @@ def _holds(joint: ET.Element, hard: tuple[float, float]) -> bool:
 
 def _wide(robot: Robot) -> Iterator[Finding]:
     for name, low, high in zip(robot.posture_names, robot.lower, robot.upper, strict=True):
-        if high - low > WIDEST.get(robot.urdf.movable.get(name, ""), math.inf) + 1e-6:
+        if high - low > ROUNDED * WIDEST.get(robot.urdf.movable.get(name, ""), math.inf):
             remedy = "Give narrower ones in the robot file: starts are drawn from all of the range"
             yield Finding("doubtful", f"the limits of {name} are {low:g} .. {high:g}", remedy)
 

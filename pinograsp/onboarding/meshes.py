@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 
+import coal
 import numpy as np
 import pinocchio as pin
 
@@ -13,6 +13,7 @@ from ..descriptions.mesh_files import METRES
 from ..geometry.triangle_mesh import TriangleMesh, winding_number
 from ..kinematics.collision_elements import collision_elements
 from ..kinematics.robot import Robot
+from ..kinematics.shown_geometry import shown_of
 from ..kinematics.tree import UrdfTree
 from ..progress import Report, no_report
 from ..words import in_words
@@ -126,13 +127,12 @@ def _without_geometry(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Itera
         link: robot.model.getFrameId(link, pin.BODY) for link in robot.urdf.links
     }  # a joint may be called so, too
     body = {link: robot.model.frames[frame].parentJoint for link, frame in frames.items()}
-    solid = {body[link] for link in meshes}
+    solid, loader = {body[link] for link in meshes}, coal.CachedMeshLoader()
     for link in robot.urdf.composed.tree.findall("link"):
         name = link.get("name", "")
         if link.find("visual") is not None and body[name] not in solid:
             remedy = "Give it a <collision>: the planner does not see it"
             yield Finding("doubtful", f"link {name} has no collision geometry", remedy)
-        missing = [mesh.get("filename", "") for mesh in link.iterfind("visual/geometry/mesh")]
-        if any(not Path(file).is_file() for file in missing):
-            remedy = "Only pictures need it; name its folder under `packages`"
-            yield Finding("doubtful", f"a mesh for show of link {name} was not found: {missing[0]}", remedy)
+        for problem in shown_of(link, robot.description.urdf_file, loader).problems:
+            remedy = "Only pictures need it: mend it; if a mesh was not found, name its folder under `packages`"
+            yield Finding("doubtful", f"link {name} is not drawn as it is to be shown: {problem}", remedy)

@@ -44,9 +44,10 @@ def pad_names(links: Sequence[str]) -> list[str]:
 
 def numbers(values: Iterable[float], digits: int) -> str:
     """Write numbers as a YAML list, without exponents, which YAML takes for text."""
-    return "[" + ", ".join(_number(round(float(value), digits), digits) for value in values) + "]"
+    return "[" + ", ".join(number(value, digits) for value in values) + "]"
 
 
-def _number(value: float, digits: int) -> str:
-    short = f"{value + 0.0:.{digits}f}".rstrip("0")  # adding 0 makes -0.0 plain
+def number(value: float, digits: int = 9) -> str:
+    """Write a number in the same way."""
+    short = f"{round(float(value), digits) + 0.0:.{digits}f}".rstrip("0")  # adding 0 makes -0.0 plain
     return f"{short}0" if short.endswith(".") else short

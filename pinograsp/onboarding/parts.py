@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions.composition import Composition
 from ..descriptions.urdf import RobotUrdf, attachment_joint
+from ..descriptions.urdf_checks import usable
 from ..errors import InputError
 from ..kinematics.collision_elements import LinkElement, link_elements
 from ..kinematics.tree import UrdfTree
@@ -24,6 +25,8 @@ from .link_meshes import link_meshes
 
 ALONG = math.cos(math.radians(30.0))
 """A wrist's z axis is at most this far off the direction to the pads."""
+HALF_TURNS = (-math.pi, math.pi)
+"""Limits of an arm joint that turns, where the URDF has none, rad."""
 TOOL_FRAMES = ("end_effector", "tool0", "ee_link", "eef", "flange")
 """Parts of names that tool frames have; the first one in this order is taken."""
 
@@ -174,6 +177,17 @@ def _points_to(T: Array, target: Array) -> bool:
 
 def guessed_limits(found: Parts) -> dict[str, tuple[float, float]]:
     """Return limits to begin with for joints that need some and have none."""
-    names = (*found.chain.arm, *found.chain.hand)
-    limits: dict[str, Any] = {name: usual_limits(found.tree.joints[name]) for name in names}
+    joints, chain = found.tree.joints, found.chain
+    limits: dict[str, Any] = {name: usual_limits(joints[name], HALF_TURNS) for name in chain.arm}
+    limits |= {name: usual_limits(joints[name]) for name in chain.hand}
     return {name: interval for name, interval in limits.items() if interval is not None}
+
+
+def rests(found: Parts) -> dict[str, float]:
+    """Return where joints of neither arm nor hand stay that cannot stay at zero: as near to it as they can, rad (m)."""
+    near = {}
+    for name in found.chain.still:
+        joint = found.tree.joints[name]
+        if joint.kind != "continuous" and usable(*joint.limits) and not joint.limits[0] <= 0.0 <= joint.limits[1]:
+            near[name] = min(joint.limits, key=abs)
+    return near

@@ -7,8 +7,8 @@ from pathlib import Path
 from ..descriptions.composition import Attachment, UrdfPart
 from ..words import in_words, number_of
 from .coupled import Coupled
-from .pad_text import HARD, SOFT, numbers, pad_lines, pad_names
-from .parts import Parts, guessed_limits
+from .pad_text import HARD, SOFT, number, numbers, pad_lines, pad_names
+from .parts import Parts, guessed_limits, rests
 from .yaml_text import text, texts
 
 MANY = 3
@@ -85,18 +85,23 @@ def _arm(found: Parts) -> list[str]:
     guessed = {name: limits[name] for name in chain.arm if name in limits}
     lines += ["  limits:"] if guessed else []
     for joint, interval in guessed.items():
-        lines.append(f"    {text(joint)}: {list(interval)}    # CHECK: a guess, the URDF has none")
+        lines.append(f"    {text(joint)}: {_guess(found, joint, interval)}")
     if chain.still:
-        count = number_of(len(chain.still), "joint")
-        lines.append(
-            f"# CHECK: {count} of neither arm nor hand, at zero for good: {in_words(list(map(text, chain.still)))}"
-        )
+        count, names = number_of(len(chain.still), "joint"), in_words(list(map(text, chain.still)))
+        where = "for good at zero, or as near to it as they can be," if rests(found) else "at zero for good"
+        lines.append(f"# CHECK: {count} of neither arm nor hand, {where}: {names}".replace(",:", ":"))
     return lines
+
+
+def _guess(found: Parts, joint: str, interval: tuple[float, float]) -> str:
+    low, high = found.tree.joints[joint].limits
+    given = f"{low:g} .. {high:g}" if (high, low) == interval else "none"
+    return f"{list(interval)}    # CHECK: a guess, the URDF has {given}"
 
 
 def _hand(found: Parts) -> list[str]:
     if found.coupled is not None:
-        return _coupled(found.coupled)
+        return [*_coupled(found.coupled), *_rest(found)]
     lines, limits = ["hand:", "  synergies:"], guessed_limits(found)
     if len(found.chain.hand) > MANY:
         lines.append(
@@ -107,19 +112,26 @@ def _hand(found: Parts) -> list[str]:
         followers = found.tree.followers(joint)
         lines += [f"      # followed by {text(name)}, {mimic.multiplier:+g}" for name, mimic in followers.items()]
         if joint in limits:
-            lines.append(f"      limits: {list(limits[joint])}    # CHECK: a guess, the URDF has none")
-    return lines
+            lines.append(f"      limits: {_guess(found, joint, limits[joint])}")
+    return [*lines, *_rest(found)]
 
 
 def _coupled(pair: Coupled) -> list[str]:
-    lines = [
+    return [
         "hand:",
         f"  # CHECK: {pair.said}.",
         "  # They are taken for one synergy. If each moves on its own, this is the line instead:",
         f"  # synergies: {pair.apart}",
         f"  synergies: [{pair.synergy}]",
     ]
-    return lines if pair.rest is None else [*lines, f"  rest: {pair.rest}    # not with the line above"]
+
+
+def _rest(found: Parts) -> list[str]:
+    """Return lines on joints that do not stay at zero."""
+    pair = found.coupled
+    lines = [] if pair is None or pair.rest is None else [f"    {pair.rest}    # not if each moves on its own"]
+    lines += [f"    {text(name)}: {number(at)}    # CHECK: it cannot be at 0" for name, at in rests(found).items()]
+    return ["  rest:", *lines] if lines else []
 
 
 def _pads(found: Parts) -> list[str]:

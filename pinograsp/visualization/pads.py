@@ -40,7 +40,7 @@ def draw_pad(node: Visualizer, patch: Patch, color: int = colors.PAD) -> None:
 
 
 def surface(patch: Patch) -> tuple[Array, Integers]:
-    """Return vertices, m, shape (n, 3), and triangles, shape (m, 3), of a patch in its frame, seen from both sides."""
+    """Return vertices, m, shape (n, 3), and triangles, shape (m, 3), of a patch in its frame."""
     first = np.linspace(*patch.parameters[0], STEPS + 1)
     if isinstance(patch, LinePatch):
         second = np.array([-HALF_LINE, HALF_LINE])
@@ -52,4 +52,4 @@ def surface(patch: Patch) -> tuple[Array, Integers]:
     corner = np.arange(len(vertices)).reshape(len(first), len(second))
     a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]))
     faces = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    return vertices, np.concatenate([faces, faces[:, ::-1]])
+    return vertices, faces

@@ -123,8 +123,9 @@ def _costs(grasp: Grasp, *, desired: bool) -> str:
 def _contact(contact: Contact) -> str:
     force = contact.force
     components = ", ".join(f"{component:z.2f}" for component in force)
-    spin = f", spin {1000 * contact.spin_torque:z.1f} N mm" if contact.spin_torque else ""
-    return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{spin}")
+    spin = f"spin {1000 * contact.spin_torque:z.1f} N mm".replace(" ", "\N{NO-BREAK SPACE}")  # not broken in two
+    turning = f", {spin}" if contact.spin_torque else ""
+    return row(contact.pad, f"{np.linalg.norm(force):.2f} N", f"({components}) N{turning}")
 
 
 def _refutation(certificate: Certificate) -> str:

@@ -1,18 +1,23 @@
-"""The robot's visual meshes at the grasp's joint angles."""
+"""The robot as it is shown, at the grasp's joint angles."""
 
 from __future__ import annotations
 
+import copy
 import math
 import warnings
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Set
+from pathlib import Path
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array
 from ..descriptions import RobotDescription
-from ..descriptions.urdf import read_urdf
+from ..descriptions.urdf import RobotUrdf, read_urdf
 from ..errors import InputError
+from ..kinematics.shown_geometry import shown_of
 from ..verification.robot import read_robot
 from . import colors
 from .symbols import Look, Piece, draw
@@ -38,7 +43,7 @@ def draw_robot(
     Raises:
         InputError: a mesh is missing or unreadable, or a joint has no angle.
     """
-    draw_urdf(viewer, read_urdf(robot).xml, robot, joints, mounting)
+    draw_urdf(viewer, read_urdf(robot), robot, joints, mounting)
     if marked:
         _draw_marked(viewer["offenders"], robot, joints, mounting, marked)
 
@@ -58,12 +63,12 @@ def _draw_marked(
 
 def draw_urdf(
     viewer: Visualizer,
-    xml: str,
+    urdf: RobotUrdf,
     robot: RobotDescription,
     joints: Mapping[str, float],
     mounting: Array,
 ) -> dict[str, tuple[str, Array]]:
-    """Draw the visual geometry of a URDF made from a robot file below the node `robot`.
+    """Draw what is shown of a URDF made from a robot file below the node `robot`.
 
     Arguments and errors as for `draw_robot`.
 
@@ -73,9 +78,11 @@ def draw_urdf(
     from pinocchio.visualize import MeshcatVisualizer
 
     file = robot.urdf_file
+    loader = coal.CachedMeshLoader()
+    xml = _shown(urdf, file, loader)
     try:
         model = pin.buildModelFromXML(xml)
-        visuals = pin.buildGeomFromUrdfString(model, xml, pin.GeometryType.VISUAL)
+        visuals = pin.buildGeomFromUrdfString(model, xml, pin.GeometryType.VISUAL, mesh_loader=loader)
     except (ValueError, RuntimeError) as error:
         raise InputError(f"cannot be drawn: {error}", file=file) from None
     q = configuration(model, joints, robot)
@@ -97,6 +104,19 @@ def draw_urdf(
         )
         for item in visuals.geometryObjects
     }
+
+
+def _shown(urdf: RobotUrdf, file: Path, loader: coal.CachedMeshLoader) -> str:
+    """Return the URDF with what is shown of every link as its visual geometry."""
+    tree = copy.deepcopy(urdf.tree)
+    for link in tree.findall("link"):
+        elements = shown_of(link, file, loader).elements
+        for element in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(element)
+        for element in elements:
+            element.tag = "visual"
+        link.extend(elements)
+    return ET.tostring(tree, encoding="unicode")
 
 
 def configuration(model: pin.Model, joints: Mapping[str, float], robot: RobotDescription) -> Array:

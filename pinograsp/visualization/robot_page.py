@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from html import escape
 from itertools import zip_longest
@@ -15,7 +13,6 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..descriptions.patches import PlanePatch
-from ..descriptions.urdf import RobotUrdf
 from ..disk import as_path, write_whole
 from ..errors import require_kind
 from ..kinematics.forward import forward
@@ -87,7 +84,7 @@ def write_robot_html(
     """Write a robot as one HTML file: the picture, to turn with the mouse, beside joint sliders and remarks.
 
     The file is complete or not there; an older one is replaced. Links without visual geometry, or whose meshes for show
-    are not found, are drawn as they are for collisions.
+    cannot be drawn, are drawn as they collide.
 
     Args:
         robot: from `load_robot`, or of a `RobotReport`.
@@ -96,7 +93,7 @@ def write_robot_html(
         faces: those of a `RobotReport`, to be drawn and listed.
 
     Raises:
-        InputError: a mesh cannot be drawn, or the file cannot be written.
+        InputError: the file cannot be written.
     """
     require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
     recorder = Recorder()
@@ -121,7 +118,7 @@ def _draw(
 ) -> tuple[Nodes, dict[str, camera.View]]:
     """Draw robot, pads, faces and wrist; return what moves with the joints, and the views of the page."""
     joints = dict(zip(robot.joint_names, robot.joint_positions(posture).tolist(), strict=True))
-    drawn = draw_urdf(world, shown(robot.urdf.composed), robot.description, joints, np.eye(4))
+    drawn = draw_urdf(world, robot.urdf.composed, robot.description, joints, np.eye(4))
     configuration = forward(robot, robot.model.createData(), posture)
     poses = [pose(R, p) for R, p in zip(configuration.rotations, configuration.translations, strict=True)]
     nodes: Nodes = {}
@@ -167,21 +164,6 @@ def pose(rotation: Array, translation: Array) -> Array:
     T = np.eye(4)
     T[:3, :3], T[:3, 3] = rotation, translation
     return T
-
-
-def shown(urdf: RobotUrdf) -> str:
-    """Return the URDF with collision geometry where a link has no visual geometry, or where that is not found."""
-    tree = copy.deepcopy(urdf.tree)
-    for link in tree.findall("link"):
-        visuals = link.findall("visual")
-        meshes = [Path(mesh.get("filename", "")) for mesh in link.iterfind("visual/geometry/mesh")]
-        if visuals and all(mesh.is_file() for mesh in meshes):
-            continue
-        for visual in visuals:
-            link.remove(visual)
-        for collision in link.findall("collision"):
-            collision.tag = "visual"
-    return ET.tostring(tree, encoding="unicode")
 
 
 def _views(joints: Array, places: Array, normal: Array, wrist: Array) -> dict[str, camera.View]:
