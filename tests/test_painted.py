@@ -304,6 +304,17 @@ def test_footprints_have_the_slopes_of_their_differences(gen3: Any, painted_can:
         np.testing.assert_allclose(jacobian @ along, (after - before) / (2.0 * step), rtol=0.02, atol=0.02)
 
 
+def test_a_pad_that_touches_nothing_is_in_every_region_but_for_its_contact_point(gen3: Any, painted_can: Any) -> None:
+    away = painted_can.with_object_pose("can", pinograsp.Pose(position=(5.0, 0.0, 0.0)))
+    problem = GraspProblem(TaskModel(gen3, away, "can_region"), (0, 1))
+    region = contact_region(problem.model)
+    assert region is not None
+    values, jacobian = region.inside(problem.state(0.5 * (problem.lower + problem.upper)))
+    of_cells = np.arange(len(values)) % 17 > 0
+    assert (values[of_cells] > 0.0).all()
+    assert (jacobian[of_cells] == 0.0).all()
+
+
 def test_content_of_a_file_is_read_as_it_was_written(folder: Path) -> None:
     scene = pinograsp.load_scene("glovebox_can")
     body = scene.objects["can"].model_copy(update={"shape": Mesh(file=folder / "can.ply")})
