@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from places import project
 
 import pinograsp
 from pinograsp import Mesh, Painted
@@ -16,6 +17,9 @@ from pinograsp.descriptions.regions import AllOf, AnyOf, HalfSpace, Outside, on_
 from pinograsp.descriptions.shapes import Sphere
 from pinograsp.errors import FileError, InputError
 from pinograsp.geometry.regions import membership
+from pinograsp.problem import GraspProblem, TaskModel
+from pinograsp.problem.constraints.contact_region import contact_region
+from pinograsp.problem.constraints.footprint_region import FootprintRegion
 from pinograsp.problem.mesh_findings import mesh_findings
 from pinograsp.verification.painted import painted_depths
 from pinograsp.verification.region_depth import least_depth
@@ -267,6 +271,48 @@ def test_the_painted_can_is_case_3(gen3: Any, folder: Path) -> None:
     assert found.verified == 4
     assert found.best is not None and expected.best is not None
     assert pytest.approx(expected.best.cost.U, rel=0.01) == found.best.cost.U
+
+
+@pytest.fixture(scope="module")
+def painted_can(folder: Path) -> Any:
+    scene = pinograsp.load_scene("glovebox_can")
+    body = scene.objects["can"].model_copy(update={"shape": Mesh(file=folder / "can.ply")})
+    return scene.with_object("can", body).with_task("can_region", allowed_contacts=Painted(color=GREEN))
+
+
+def test_the_painted_can_is_case_3_by_footprints(gen3: Any, painted_can: Any) -> None:
+    """Desired contacts are 34 mm outside: pads slide into the paint, and are not lifted off the rest."""
+    found = pinograsp.plan(gen3, painted_can, "can_region", starts=4, workers=1)
+    expected = pinograsp.plan(gen3, pinograsp.load_scene("glovebox_can"), "can_region", starts=4, workers=1)
+    assert (found.verified, found.refuted) == (4, 0)
+    assert found.best is not None and expected.best is not None
+    assert pytest.approx(expected.best.cost.U, rel=0.01) == found.best.cost.U
+
+
+def test_footprints_have_the_slopes_of_their_differences(gen3: Any, painted_can: Any) -> None:
+    """Rows whose least value is between points of the grid have them but for a part of second order."""
+    problem = GraspProblem(TaskModel(gen3, painted_can, "can_region"), (0, 1))
+    middle = 0.5 * (problem.lower + problem.upper)
+    place, region = project(problem, middle, "contacts and clearance"), contact_region(problem.model)
+    assert isinstance(region, FootprintRegion)
+    rng, step = np.random.default_rng(0), 1e-6
+    for _ in range(4):
+        x = np.clip(place + 0.01 * rng.normal(size=len(place)), problem.lower, problem.upper)
+        jacobian = region.inside(problem.state(x)).jacobian
+        along = rng.normal(size=len(x))
+        after, before = (region.inside(problem.state(x + sign * step * along)).values for sign in (1.0, -1.0))
+        np.testing.assert_allclose(jacobian @ along, (after - before) / (2.0 * step), rtol=0.02, atol=0.02)
+
+
+def test_a_pad_that_touches_nothing_is_in_every_region_but_for_its_contact_point(gen3: Any, painted_can: Any) -> None:
+    away = painted_can.with_object_pose("can", pinograsp.Pose(position=(5.0, 0.0, 0.0)))
+    problem = GraspProblem(TaskModel(gen3, away, "can_region"), (0, 1))
+    region = contact_region(problem.model)
+    assert region is not None
+    values, jacobian = region.inside(problem.state(0.5 * (problem.lower + problem.upper)))
+    of_cells = np.arange(len(values)) % 17 > 0
+    assert (values[of_cells] > 0.0).all()
+    assert (jacobian[of_cells] == 0.0).all()
 
 
 def test_content_of_a_file_is_read_as_it_was_written(folder: Path) -> None:

@@ -129,8 +129,9 @@ class FootprintRegion(Inside):
         between = self._crossings(seen, grid, rows, z, depth)
         if between is not None:
             cells, of_m, looked = between
-            v = of_m * looked.inside + (1.0 - of_m) * looked.lifts  # infinite where it does not face the pad
-            less = v < rows[cells]
+            facing = np.isfinite(looked.inside)
+            v = of_m * np.where(facing, looked.inside, INACTIVE) + (1.0 - of_m) * looked.lifts
+            less = facing & (v < rows[cells])
             cells = cells[less]
             rows[cells], shares[cells] = v[less], of_m[less]
             for every, part in zip(at, looked, strict=True):
