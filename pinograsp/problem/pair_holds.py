@@ -144,7 +144,7 @@ class HoldFinder:
                 fit[left] = self._distances(some[left]).min(axis=1) >= least
         if model.region is not None and model.task.contact_regions == "footprint":
             left = np.flatnonzero(fit)
-            inside = model.region(faces[left].reshape(-1, 3))[0].reshape(len(left), -1)
+            inside = model.region(faces[left].reshape(-1, 3))[0].reshape(len(left), faces.shape[1])
             touched = self._distances(faces[left]) <= TOUCHED
             fit[left] = np.where(touched, inside, 0.0).min(axis=1) >= 0.0
         return fit
