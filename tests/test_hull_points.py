@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from pinograsp.geometry.hull_points import hull_points, simplified
+from pinograsp.geometry.hull_points import hull_points, simplified, solid_points
 from pinograsp.geometry.hulls import Hull, spread
 from pinograsp.geometry.primitives import primitive_triangles
 
@@ -57,3 +59,18 @@ def test_a_simplified_hull_is_within_its_tolerance(name: str) -> None:
     assert {tuple(corner) for corner in hull.vertices} <= {tuple(corner) for corner in vertices}
     if name == "ball":
         assert len(hull.vertices) < 0.8 * len(vertices)
+
+
+def test_points_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is read again is what was made; other vertices and other distances have points of their own."""
+    monkeypatch.setattr("pinograsp.array_cache.cache_folders", lambda: [tmp_path])
+    monkeypatch.setattr("pinograsp.array_cache.in_cache", lambda write: write(tmp_path))
+    hull, within = simplified(BOX, 1e-4)
+    made = [solid_points(BOX, 0.003, 1e-4) for _ in range(2)]
+    assert len(list((tmp_path / "points").iterdir())) == 1
+    for points, beyond in made:
+        np.testing.assert_array_equal(points, hull_points(hull, 0.003))
+        assert beyond == within
+    assert len(solid_points(BOX, 0.004, 1e-4)[0]) < len(made[0][0])
+    np.testing.assert_allclose(solid_points(2.0 * BOX, 0.003, 1e-4)[0].max(axis=0), 2.0 * BOX.max(axis=0), atol=1e-12)
+    assert len(list((tmp_path / "points").iterdir())) == 3

@@ -27,7 +27,10 @@ from typing import NamedTuple
 import coal
 import numpy as np
 
+from ..array_cache import kept
 from ..arrays import Array, Mask
+from ..descriptions.patches import LinePatch, PlanePatch
+from ..disk import digest
 from ..geometry.hull_points import solid_points
 from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_normal, face_point, face_ranges
@@ -42,6 +45,8 @@ from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies
 from .world import Solid
 
+VERSION = 1
+"""Of the trees of points that are kept; to be raised with every change of how they are made."""
 APART, FAR_APART = 0.001, 0.004
 """How far points of a solid may be from the nearest of its points: of links that the hand moves or that carry it, and
 of the other links, m."""
@@ -170,7 +175,17 @@ def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...]
 
 
 def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
+    points, joints = [found.points for found in sets], [found.joint for found in sets]
+    sizes = [len(some) for some in points]
+    key = digest(f"{VERSION} {sizes} {joints} ".encode() + b"".join(some.tobytes() for some in points))
+    trees = kept(
+        "points",
+        f"{key[:32]}-trees",
+        lambda: point_trees(points, joints),
+        lambda made: made._asdict(),
+        lambda read: PointTrees(*(read[name] for name in PointTrees._fields)),
+    )
+    return tuple(sets), trees
 
 
 def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
@@ -248,15 +263,23 @@ def _hulls(robot: Robot, link: str) -> list[Hull | None]:
 
 
 def _on(solid: Solid, apart: float) -> tuple[Array, float]:
+    points, within = solid_points(_vertices(solid), apart, ROUNDED * apart)
+    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
+
+
+def _corners(solid: Solid) -> Array:
+    """Return the vertices of a solid, joint's frame, m, shape (n, 3)."""
+    return _vertices(solid) @ solid.placement[:3, :3].T + solid.placement[:3, 3]
+
+
+def _vertices(solid: Solid) -> Array:
+    """Return the vertices of a solid in its own frame, of a round one those of triangles on it, m, shape (n, 3)."""
     shape = solid.shape
     if isinstance(shape, coal.Sphere):
-        corners = primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
-    elif isinstance(shape, coal.Cylinder):
-        corners = primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
-    else:
-        corners = np.array(shape.points())
-    points, within = solid_points(corners, apart, ROUNDED * apart)
-    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
+        return primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
+    if isinstance(shape, coal.Cylinder):
+        return primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
+    return np.array(shape.points())
 
 
 def _quarters(number: int, pad: Pad) -> list[PointSet]:
@@ -272,13 +295,19 @@ def _quarters(number: int, pad: Pad) -> list[PointSet]:
 
 
 def _lid(robot: Robot, number: int) -> PointSet:
-    """Return points where the rubber below the face of a pad ends and its backing begins, within the link."""
+    """Return points where the rubber below the face of a pad ends and its backing begins, within the link.
+
+    Rubber reaches as far as the link, beyond the rim of a flat face, too.
+    """
     pad = robot.pads[number]
     depth, spacing = pad.description.rubber_depth, max(pad.description.rubber_depth, LID_SPACING)
-    u, v = (
-        np.linspace(low, high, 1 + math.ceil((high - low) * length / spacing))
-        for low, high, length in face_ranges(pad.patch)
-    )
+    ranges = np.array(face_ranges(pad.patch))
+    if isinstance(pad.patch, PlanePatch | LinePatch):
+        [body] = [body for body in link_bodies(robot) if body.name == pad.description.link]
+        corners = (np.concatenate([_corners(solid) for solid in body.solids]) - pad.translation) @ pad.rotation
+        ranges[:, 0] = np.minimum(ranges[:, 0], corners.min(axis=0)[:2])
+        ranges[:, 1] = np.maximum(ranges[:, 1], corners.max(axis=0)[:2])
+    u, v = (np.linspace(low, high, 1 + math.ceil((high - low) * length / spacing)) for low, high, length in ranges)
     face = np.array([face_point(pad.patch, a, b) for a in u for b in v])
     outward = np.array([face_normal(pad.patch, a, b) for a in u for b in v])
     points = (face - RUBBER * depth * outward) @ pad.rotation.T + pad.translation
