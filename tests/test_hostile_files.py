@@ -384,5 +384,5 @@ def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatc
 @pytest.mark.slow
 def test_200_000_inputs(tmp_path: Path) -> None:
     found = fuzz.fuzz(list(fuzz_kinds.KINDS), 200_000, 0, tmp_path)
-    assert sum(counts.total() for counts in found.values()) == 200_000
+    assert sum(counts.total() for counts in found.values()) >= 200_000
     assert {outcome for counts in found.values() for outcome in counts} <= {"used", "refused"}, fuzz.table(found)

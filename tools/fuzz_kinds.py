@@ -36,8 +36,14 @@ from pinograsp.problem.checks import check_placement
 from pinograsp.results.encoding import encode
 from pinograsp.results.table import grasp_table, outcome_lines
 
+SHIPPED = 0.1
+"""Share of the URDFs and SRDFs that are shipped ones: they take longer than the toy."""
 RAW = 0.15
 """Share of the inputs whose bytes are changed, not their structure."""
+
+
+FIELDS = 30
+"""Of so many meshes, one has its distance field made, which takes most of a second."""
 
 
 class SilentNaNError(Exception):
@@ -54,6 +60,8 @@ class Kind:
     """Does with the input in a folder what a user does."""
     command: Callable[[Path], list[str]] | None = None
     """Arguments of a command that reads it."""
+    share: int = 20
+    """Of all inputs, as against the others: few of what takes long."""
 
 
 # ---- Sources.
@@ -78,6 +86,9 @@ def prepare(folder: Path) -> None:
     empty = scene.with_task("sphere", start_radius=1e-3)
     result = pinograsp.plan(robot, empty, "sphere", starts=2, workers=1, database=database)
     pinograsp.write_json(result, folder / "result" / "none.json")
+    for name, file in shipped_robots().items():
+        for mesh in file.parent.glob("*.obj"):
+            shutil.copy(mesh, folder / "mesh" / f"{name}-{mesh.name}")
     for suffix, content in _meshes().items():
         (folder / "mesh" / f"box.{suffix}").write_bytes(content)
 
@@ -247,14 +258,24 @@ def make_robot(folder: Path, rng: random.Random) -> None:
 
 
 def make_urdf(folder: Path, rng: random.Random) -> None:
-    """Write the toy robot with a mutated URDF."""
+    """Write the toy robot, or now and then a shipped one, with a mutated URDF."""
+    if rng.random() < SHIPPED:
+        tree, files = _shipped(rng)
+        (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"urdf": "toy.urdf"}))
+        (folder / "toy.urdf").write_bytes(_mutated_xml(files["urdf"].read_text(), rng))
+        return
     urdf, tree = random_robot(rng)
     (folder / "robot.yaml").write_text(yaml.safe_dump(tree))
     (folder / "toy.urdf").write_bytes(_mutated_xml(urdf, rng))
 
 
 def make_srdf(folder: Path, rng: random.Random) -> None:
-    """Write the toy robot with a mutated SRDF."""
+    """Write the toy robot, or now and then a shipped one, with a mutated SRDF."""
+    tree, files = _shipped(rng) if rng.random() < SHIPPED else ({}, {})
+    if "srdf" in files:
+        (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"urdf": str(files["urdf"]), "srdf": "toy.srdf"}))
+        (folder / "toy.srdf").write_bytes(_mutated_xml(files["srdf"].read_text(), rng))
+        return
     urdf, tree = random_robot(rng)
     pairs = '<disable_collisions link1="arm" link2="left" reason="Adjacent"/>' * 2
     pairs = pairs.replace("arm", tree["arm"]["wrist"])
@@ -262,6 +283,19 @@ def make_srdf(folder: Path, rng: random.Random) -> None:
     (folder / "toy.urdf").write_text(urdf)
     (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"srdf": "toy.srdf"}))
     (folder / "toy.srdf").write_bytes(_mutated_xml(srdf, rng))
+
+
+def _shipped(rng: random.Random) -> tuple[dict[str, Any], dict[str, Path]]:
+    """Return the content of the file of a shipped robot, and its URDF and SRDF, wherever they are."""
+    file = rng.choice(sorted(shipped_robots().values()))
+    return _content(file), _files_of(file)
+
+
+@cache
+def _files_of(file: Path) -> dict[str, Path]:
+    description = pinograsp.load_robot(file).description
+    names = {"urdf": description.urdf_file, "srdf": description.srdf_file}
+    return {kind: name for kind, name in names.items() if name is not None}
 
 
 def _mutated_xml(text: str, rng: random.Random) -> bytes:
@@ -309,7 +343,9 @@ def use_mesh(folder: Path) -> None:
     """Read a scene with a mesh and the mesh with it."""
     scene = pinograsp.load_scene(folder / "scene.yaml")
     surface = surface_of(scene.objects["object 0"].shape)
-    require_finite([surface.radius, *surface.signed_distance(np.zeros((1, 3)))[0].tolist()], "mesh")
+    require_finite([surface.radius], "mesh")
+    if sum((folder / "scene.yaml").read_bytes()) % FIELDS == 0:
+        require_finite(surface.signed_distance(np.zeros((1, 3)))[0].tolist(), "distance")
 
 
 # ---- Results.
@@ -386,6 +422,10 @@ def use_database(folder: Path) -> None:
         raise AssertionError("an export holds another file")
 
 
+def _database_info(folder: Path) -> list[str]:
+    return ["database", "info", str(folder / "small.duckdb")]
+
+
 # ---- Caches.
 
 
@@ -437,8 +477,10 @@ KINDS = {
     "robot": Kind(make_robot, use_robot, lambda folder: ["robot", "check", str(folder / "robot.yaml")]),
     "urdf": Kind(make_urdf, use_robot),
     "srdf": Kind(make_srdf, use_robot),
-    "mesh": Kind(make_mesh, use_mesh),
+    "mesh": Kind(make_mesh, use_mesh, share=8),
     "result": Kind(make_result, use_result, lambda folder: ["rank", str(folder / "result.json")]),
-    "database": Kind(make_database, use_database, lambda folder: ["database", "info", str(folder / "small.duckdb")]),
-    "cache": Kind(make_cache, use_cache),
+    "database": Kind(
+        make_database, use_database, lambda folder: ["database", "info", str(folder / "small.duckdb")], share=2
+    ),
+    "cache": Kind(make_cache, use_cache, share=4),
 }
