@@ -6,6 +6,7 @@ import fcntl
 import importlib.util
 import json
 import os
+import random
 import shutil
 import sys
 import warnings
@@ -17,6 +18,7 @@ from typing import Any
 import duckdb
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,6 +26,7 @@ import fuzz
 import fuzz_kinds
 import pinograsp
 from fuzz_mutations import NUMBERS, OTHERS, TEXTS
+from fuzz_toy import random_robot
 from pinograsp import DamagedError, Database, FileError, InputError, Margins, Pose, Result, Robot, Scene
 from pinograsp import compiled as compiled_module
 from pinograsp.array_cache import kept
@@ -274,6 +277,18 @@ def test_a_folder_in_place_of_a_database_is_built_anew(
         warnings.simplefilter("error")
         cached_database(gen3, glovebox, Margins(), workers=1).close()
     assert file.is_file()
+
+
+@pytest.mark.parametrize(
+    ("keys", "named"),
+    [({"srdf": "a\0b"}, "srdf"), ({"urdf": "package://x/a\0b"}, "urdf"), ({"packages": ["x=a\0b"]}, r"packages\[0\]")],
+)
+def test_texts_with_nul_characters_are_refused(keys: dict[str, Any], named: str, tmp_path: Path) -> None:
+    urdf, robot = random_robot(random.Random(0))
+    (tmp_path / "toy.urdf").write_text(urdf)
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(robot | keys))
+    with pytest.raises(InputError, match=rf"{named}.*NUL character"):
+        pinograsp.load_robot(tmp_path / "robot.yaml")
 
 
 # ---- Compiled functions.
