@@ -33,6 +33,7 @@ from pathlib import Path
 from typing import Any
 
 import fuzz_kinds
+import fuzz_sources
 from fuzz_kinds import KINDS
 from fuzz_supervisor import BATCH, MEMORY, supervised
 from pinograsp import PinograspError, cli
@@ -231,7 +232,7 @@ def prepared(folder: Path) -> Iterator[None]:
     if (process := os.fork()) == 0:
         os.environ["PINOGRASP_CACHE"] = str(folder.parent / "cache")
         try:
-            fuzz_kinds.prepare(folder)
+            fuzz_sources.prepare(folder)
             os._exit(0)
         except BaseException:
             traceback.print_exc()
@@ -239,7 +240,7 @@ def prepared(folder: Path) -> Iterator[None]:
             os._exit(1)
     if os.waitpid(process, 0)[1]:
         raise SystemExit("the sources could not be made")
-    fuzz_kinds.SOURCES[:] = [str(folder)]
+    fuzz_sources.SOURCES[:] = [str(folder)]
     try:
         yield
     finally:
