@@ -5,12 +5,13 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from .cache_folder import cache_folders, in_cache
-from .disk import write_whole
+from .disk import make_way, write_whole
 from .errors import UnwritableError
 from .seal import sealed, unsealed
 
@@ -44,6 +45,12 @@ def kept(
     made, stream = make(), io.BytesIO()
     np.savez(stream, **arrays_of(made))
     content = sealed(stream.getvalue())
+
+    def write(place: Path) -> None:
+        file = place / folder / f"{name}.npz"
+        make_way(file)
+        write_whole(file, content)
+
     with contextlib.suppress(UnwritableError):  # of a temporary folder, too
-        in_cache(lambda place: write_whole(place / folder / f"{name}.npz", content))
+        in_cache(write)
     return made

@@ -8,6 +8,7 @@ environment all of them run as they are written, for a debugger.
 
 from __future__ import annotations
 
+import contextlib
 import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,8 @@ from typing import IO, Any, TypeVar, cast
 import numba
 from numba.core import caching, event
 
+from .disk import make_way, write_whole
+from .errors import UnwritableError
 from .progress import Progress, Report
 from .seal import sealed, unsealed
 
@@ -51,12 +54,17 @@ class _Sealed(caching.IndexDataCacheFile):  # type: ignore[misc]  # Numba has no
             raise OSError  # for which Numba takes one that is missing
         return super()._load_data(name)
 
+    def save(self, key: Any, data: Any) -> None:
+        """Keep what was compiled, or where that cannot be, as on a full disk, compile it in every process."""
+        with contextlib.suppress(UnwritableError):
+            super().save(key, data)
+
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[IO[bytes]]:
-        with super()._open_for_write(filepath) as file:
-            content = io.BytesIO()
-            yield content
-            file.write(sealed(content.getvalue()))
+        content = io.BytesIO()
+        yield content
+        make_way(Path(filepath))
+        write_whole(Path(filepath), sealed(content.getvalue()))
 
 
 def _is_sealed(file: Path) -> bool:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import mmap
+import os
+import shutil
 import tempfile
+import time
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, NoReturn
 
@@ -18,6 +22,8 @@ LARGEST = 2**30
 """Bytes of a file that is read whole."""
 PIECE = 2**20
 """Bytes that are read at once."""
+FRESH = 60.0
+"""Seconds that the folder of an unfinished file is left alone: it is made first and locked then."""
 DEEPEST = 64
 """Levels of JSON data."""
 
@@ -99,19 +105,63 @@ def _refuse(constant: str) -> NoReturn:
 def written_whole(file: Path) -> Iterator[Path]:
     """Give a path to write to; a reader finds the old file, or the new one once the block has ended without an error.
 
-    The folder is made.
+    The folder is made. What a killed process left of the same file is removed.
 
     Raises:
         UnwritableError: the file cannot be written.
     """
+    prefix = f".{file.name}."
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with held(), tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=file.parent) as folder:
+        with held(), tempfile.TemporaryDirectory(prefix=prefix, dir=file.parent) as folder, _locked(Path(folder)):
+            for other in file.parent.iterdir():
+                if other.name.startswith(prefix) and other != Path(folder):
+                    _remove_left(other, file.name)
             unfinished = Path(folder) / file.name
             yield unfinished
             unfinished.replace(file)
     except OSError as error:
         raise UnwritableError(f"cannot be written: {reason_of(error)}", file=file, remedy="Check the folder") from None
+
+
+def make_way(file: Path) -> None:
+    """Remove a folder that is in the place of a file of a cache, which is made anew like any other damage.
+
+    Raises:
+        UnwritableError: it cannot be removed.
+    """
+    if is_folder(file) and not file.is_symlink():
+        try:
+            shutil.rmtree(file)
+        except OSError as error:
+            problem = f"is a folder that cannot be removed: {reason_of(error)}"
+            raise UnwritableError(problem, file=file, remedy="Remove it") from None
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[bool]:
+    """Lock a folder until the block, or the process, ends; gives whether that could be done."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            taken = True
+        except OSError:  # another process has it, or the file system knows no locks
+            taken = False
+        yield taken
+    finally:
+        os.close(handle)
+
+
+def _remove_left(folder: Path, name: str) -> None:
+    """Remove the folder of an unfinished file of a name, if the process that wrote there is gone."""
+    with suppress(OSError):
+        if not is_folder(folder) or folder.is_symlink() or time.time() - folder.stat().st_mtime < FRESH:
+            return
+        if {inside.name for inside in folder.iterdir()} <= {name}:
+            with _locked(folder) as taken:
+                if taken:
+                    shutil.rmtree(folder)
 
 
 def write_whole(file: Path, content: str | bytes) -> None:

@@ -158,8 +158,11 @@ class _Set(AbstractContextManager[None]):
     def __enter__(self) -> None:
         self._to(self._heard)
 
-    def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, *trace: object) -> None:
         self._to(self._before, tell=kind is None)
+        # Where a signal comes while Numba's dispatcher, in C, calls a function, Python makes a SystemError of it.
+        if self._heard and isinstance(error, SystemError) and isinstance(error.__cause__, KeyboardInterrupt):
+            raise error.__cause__ from None
 
     def _to(self, heard: bool, tell: bool = True) -> None:
         if self._watch is not None:

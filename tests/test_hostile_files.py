@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import fcntl
 import importlib.util
 import json
+import os
+import random
 import shutil
 import sys
+import warnings
 from collections import Counter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import duckdb
+import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,11 +26,15 @@ import fuzz
 import fuzz_kinds
 import pinograsp
 from fuzz_mutations import NUMBERS, OTHERS, TEXTS
+from fuzz_toy import random_robot
 from pinograsp import DamagedError, Database, FileError, InputError, Margins, Pose, Result, Robot, Scene
+from pinograsp import compiled as compiled_module
+from pinograsp.array_cache import kept
 from pinograsp.compiled import compiling
 from pinograsp.database import cache as cache_module
 from pinograsp.database.cache import cached_database
-from pinograsp.disk import content_of
+from pinograsp.disk import content_of, write_whole
+from pinograsp.errors import UnwritableError
 from pinograsp.problem.angle_findings import angle_findings
 from pinograsp.progress import Progress
 from pinograsp.results.typed import read
@@ -250,6 +260,37 @@ def test_a_damaged_cached_database_is_made_anew(
     assert len(built) == 8
 
 
+def test_a_folder_in_place_of_a_database_is_built_anew(
+    small: Path, gen3: Robot, glovebox: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def build(robot: Robot, scene: Scene, file: Path, **_: Any) -> Database:
+        return Database.open(shutil.copy(small, file))
+
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
+    monkeypatch.setattr(cache_module, "build_database", build)
+    cached_database(gen3, glovebox, Margins(), workers=1).close()
+    (file,) = tmp_path.glob("[!.]*.duckdb")
+    for folder in (file, file.with_name(f".{file.name}.unfinished")):
+        folder.unlink(missing_ok=True)
+        folder.mkdir()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cached_database(gen3, glovebox, Margins(), workers=1).close()
+    assert file.is_file()
+
+
+@pytest.mark.parametrize(
+    ("keys", "named"),
+    [({"srdf": "a\0b"}, "srdf"), ({"urdf": "package://x/a\0b"}, "urdf"), ({"packages": ["x=a\0b"]}, r"packages\[0\]")],
+)
+def test_texts_with_nul_characters_are_refused(keys: dict[str, Any], named: str, tmp_path: Path) -> None:
+    urdf, robot = random_robot(random.Random(0))
+    (tmp_path / "toy.urdf").write_text(urdf)
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(robot | keys))
+    with pytest.raises(InputError, match=rf"{named}.*NUL character"):
+        pinograsp.load_robot(tmp_path / "robot.yaml")
+
+
 # ---- Compiled functions.
 
 SOURCE = """
@@ -291,6 +332,53 @@ def test_damaged_machine_code_is_compiled_anew(suffix: str, tmp_path: Path, monk
         assert compilations() == 0
 
 
+@pytest.mark.parametrize("failing", [".nbi", ".nbc"])
+def test_a_full_disk_costs_compiled_functions_their_file_alone(
+    failing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(file: Path, content: bytes) -> None:
+        if file.suffix == failing:
+            raise UnwritableError("cannot be written: no space left on device", file=file)
+        write_whole(file, content)
+
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.setattr(compiled_module, "write_whole", full)
+    (tmp_path / "damaged_module.py").write_text(SOURCE)
+    for _ in range(2):
+        assert module_of(tmp_path / "damaged_module.py").double(3.0) == 6.0
+    assert not list((tmp_path / "__pycache__").glob(f"*{failing}"))
+
+
+def test_a_folder_in_place_of_a_cached_file_is_that_file_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
+    (tmp_path / "some" / "arrays.npz" / "inner").mkdir(parents=True)
+
+    def get(made: float) -> float:
+        return kept(
+            "some", "arrays", lambda: made, lambda value: {"a": np.array(value)}, lambda found: float(found["a"])
+        )
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert get(1.0) == 1.0
+    assert get(2.0) == 1.0
+
+
+def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
+    left, writing, other = (tmp_path / name for name in (".a.txt.killed", ".a.txt.writing", ".a.txt.mine"))
+    for folder in (left, writing, other):
+        folder.mkdir()
+        (folder / "a.txt").write_text("half")
+    (other / "b.txt").write_text("not written here")
+    for folder in (left, writing, other):
+        os.utime(folder, (0.0, 0.0))
+    handle = os.open(writing, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    write_whole(tmp_path / "a.txt", "whole")
+    os.close(handle)
+    assert sorted(tmp_path.iterdir()) == sorted([writing, other, tmp_path / "a.txt"])
+
+
 # ---- Everything at random.
 
 
@@ -311,5 +399,5 @@ def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatc
 @pytest.mark.slow
 def test_200_000_inputs(tmp_path: Path) -> None:
     found = fuzz.fuzz(list(fuzz_kinds.KINDS), 200_000, 0, tmp_path)
-    assert sum(counts.total() for counts in found.values()) == 200_000
+    assert sum(counts.total() for counts in found.values()) >= 200_000
     assert {outcome for counts in found.values() for outcome in counts} <= {"used", "refused"}, fuzz.table(found)

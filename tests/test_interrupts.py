@@ -189,3 +189,10 @@ def test_the_first_imports_end_with_a_line(module: str, number: int) -> None:
     command = [sys.executable, "-c", ASKED_WITHIN_AN_IMPORT, module, str(number), "list"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "error: interrupted\n")
+
+
+def test_an_interrupt_within_compiled_code_is_one() -> None:
+    with pytest.raises(KeyboardInterrupt), heard():
+        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
+    with pytest.raises(SystemError), heard():
+        raise SystemError("another one")

@@ -518,3 +518,17 @@ def test_centre_of_mass(tmp_path: Path) -> None:
 def test_scenes_without_meshes_read_no_mesh_library() -> None:
     code = "import sys, pinograsp; pinograsp.load_scene('glovebox'); assert 'trimesh' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True, env=os.environ)
+
+
+@pytest.mark.parametrize("far", [2e3, 1e300])
+def test_a_corner_too_far_away_is_refused(far: float, tmp_path: Path) -> None:
+    mesh = box()
+    vertices = mesh.vertices.copy()
+    vertices[0, 0] = far
+    content = "\n".join(f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist())
+    content += "\n" + "\n".join("f " + " ".join(map(str, face)) for face in (mesh.faces + 1).tolist())
+    (tmp_path / "far.obj").write_text(content)
+    with pytest.raises(
+        FileError, match=f"a corner is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m"
+    ):
+        read(tmp_path / "far.obj", unit="m")

@@ -1,12 +1,13 @@
 """Damaged and hostile files of every kind, read in processes whose time and memory are limited.
 
-    python tools/fuzz.py [--inputs 200000] [--seed 0] [--kind scene ...] [--out out/fuzz]
+    python tools/fuzz.py [--inputs 200000] [--seed 0] [--kind scene ...] [--out out/fuzz] [--workers 2] [--every 5000]
     python tools/fuzz.py --again out/fuzz/scene-0-17 [--minimise]
 
 Each input is made from its kind, the seed and its number alone (`fuzz_kinds`). It may be refused by a `PinograspError`
 or be used; a failure is a traceback, a command that ends otherwise than with one line of error, a signal, more than
 20 s, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in
-the folder `--out`, each with the input and what happened.
+the folder `--out`, each with the input and what happened. A run that was interrupted goes on with the same command;
+remove the folder to begin anew after a change of the code.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import json
+import multiprocessing
 import os
 import random
 import resource
-import select
 import shutil
 import signal
 import sys
@@ -26,20 +28,17 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
 import fuzz_kinds
+import fuzz_sources
 from fuzz_kinds import KINDS
+from fuzz_supervisor import BATCH, MEMORY, supervised
 from pinograsp import PinograspError, cli
 from pinograsp.tables import Table
 
-SECONDS = 20.0
-"""Longest time of an input."""
-MEMORY = 2**30
-"""Most memory of an input, bytes, beyond what was there when all libraries were loaded."""
-BATCH = 200
-"""Inputs of one child process: it is forked from this one, which has loaded everything and opened nothing."""
 COMMANDS = 0.03
 """Share of the inputs that a command reads, too."""
 _WRITES = {"open", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.truncate"}
@@ -143,79 +142,87 @@ def _peak() -> int:
 
 
 def run(kind: str, seed: int, numbers: range, home: Path) -> Iterator[tuple[int, str]]:
-    """Yield what comes of inputs, by number; one that ends the process is a failure, and others go on."""
-    while numbers:
-        read, write = os.pipe()
-        process = os.fork()
-        if process == 0:
-            code = 1
-            try:
-                _child(kind, seed, numbers[:BATCH], home, write)
-                code = 0
-            except BaseException:
-                (home / "harness.txt").write_text(traceback.format_exc())
-            finally:
-                os._exit(code)
-        os.close(write)
-        last, begun = numbers.start - 1, None
-        for line in _lines(read, process):
-            number, outcome = line.split(" ", 1)
-            begun = int(number) if outcome == "begun" else None
-            if outcome != "begun":
-                last = int(number)
-                yield last, outcome
-        status = os.waitpid(process, 0)[1]
-        if begun is not None:
-            slow = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL
-            ended = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit {status >> 8}"
-            last = begun
-            yield begun, "time" if slow else ended
-        elif last < numbers.start:
-            raise RuntimeError((home / "harness.txt").read_text())
-        numbers = range(last + 1, numbers.stop)
+    """Yield what comes of inputs of a kind, by number."""
+    yield from supervised(
+        lambda some, pipe: _child(kind, seed, some, home, pipe), numbers, home.parent / f"{home.name}.log"
+    )
 
 
-def _lines(pipe: int, process: int) -> Iterator[str]:
-    """Yield the lines that a child writes; it is killed if it says nothing for too long."""
-    left = ""
-    with os.fdopen(pipe) as stream:
-        os.set_blocking(pipe, False)
-        while True:
-            if not select.select([pipe], [], [], SECONDS)[0]:
-                os.kill(process, signal.SIGKILL)
-                return
-            if not (text := stream.read()):
-                return
-            *lines, left = (left + text).split("\n")
-            yield from lines
+def fuzz(
+    kinds: list[str], inputs: int, seed: int, out: Path, workers: int = 1, every: int | None = None
+) -> dict[str, Counter[str]]:
+    """Run inputs of the kinds, each in its share, and return how many ended in which way.
 
-
-def fuzz(kinds: list[str], inputs: int, seed: int, out: Path) -> dict[str, Counter[str]]:
-    """Run as many inputs of each kind, and return how many ended in which way; failures stay in a folder.
+    Failures, and the progress, stay in a folder: batches that are done there are not run again.
 
     Args:
         kinds: names of kinds.
         inputs: number of all of them together.
         seed: of all inputs.
         out: folder of the failures.
+        workers: processes at once.
+        every: number of inputs after which the table is printed.
     """
+    out.mkdir(parents=True, exist_ok=True)
+    progress = out / f"progress-{seed}.jsonl"
     found: dict[str, Counter[str]] = {kind: Counter() for kind in kinds}
+    done = set()
+    for line in progress.read_text().splitlines() if progress.exists() else ():
+        batch = json.loads(line)
+        if batch["kind"] in found:
+            done.add((batch["kind"], batch["begin"], batch["end"]))
+            found[batch["kind"]].update(batch["outcomes"])
+    jobs = [job for job in batches(kinds, inputs) if job not in done]
+    printed = before = sum(counts.total() for counts in found.values())
+    began = time.perf_counter()
     with tempfile.TemporaryDirectory() as name, prepared(Path(name).resolve() / "sources"):
         with tempfile.TemporaryDirectory() as sound:
             fuzz_kinds.warm(Path(sound))
-        for place, kind in enumerate(kinds):
-            home = Path(name).resolve() / "home"
-            home.mkdir()
-            os.environ |= {"PINOGRASP_CACHE": str(home / "cache"), "HOME": str(home)}
-            numbers = range(inputs * (place + 1) // len(kinds) - inputs * place // len(kinds))
-            for number, outcome in run(kind, seed, numbers, home):
-                found[kind][outcome] += 1
-                if outcome not in OUTCOMES:
-                    shutil.copytree(
-                        home / f"{kind}-{seed}-{number}", out / f"{kind}-{seed}-{number}", dirs_exist_ok=True
-                    )
-            shutil.rmtree(home)
+        with ProcessPoolExecutor(workers, multiprocessing.get_context("fork")) as pool:
+            waiting = [pool.submit(_batch, *job, seed, Path(name).resolve(), out) for job in jobs]
+            try:
+                for job in as_completed(waiting):
+                    kind, begin, end, outcomes = job.result()
+                    found[kind].update(outcomes)
+                    with progress.open("a") as stream:
+                        line = {"kind": kind, "begin": begin, "end": end, "outcomes": outcomes}
+                        stream.write(json.dumps(line) + "\n")
+                    total = sum(counts.total() for counts in found.values())
+                    if every is not None and total >= printed + every:
+                        printed = total
+                        rate = (total - before) / (time.perf_counter() - began)
+                        print(f"{table(found)}\n{total} inputs, {rate:.1f} a second", flush=True)
+            except KeyboardInterrupt:
+                print("interrupted; the same command goes on", file=sys.stderr)
+                pool.shutdown(wait=False, cancel_futures=True)
+                for process in getattr(pool, "_processes", {}).values():
+                    process.kill()
     return found
+
+
+def batches(kinds: list[str], inputs: int) -> list[tuple[str, int, int]]:
+    """Return kind, first number and end of the batches, those of all kinds in turn."""
+    shares = sum(KINDS[kind].share for kind in kinds)
+    made = []
+    for kind in kinds:
+        count = -(-inputs * KINDS[kind].share // shares)
+        made += [(begin / count, kind, begin, min(begin + BATCH, count)) for begin in range(0, count, BATCH)]
+    return [job[1:] for job in sorted(made)]
+
+
+def _batch(kind: str, begin: int, end: int, seed: int, scratch: Path, out: Path) -> tuple[str, int, int, Counter[str]]:
+    """Run a batch in a folder of its own, which is this process's home."""
+    home = scratch / f"home-{kind}-{begin}"
+    home.mkdir()
+    os.environ |= {"PINOGRASP_CACHE": str(home / "cache"), "HOME": str(home)}
+    outcomes: Counter[str] = Counter()
+    for number, outcome in run(kind, seed, range(begin, end), home):
+        outcomes[outcome] += 1
+        if outcome not in OUTCOMES:
+            name = f"{kind}-{seed}-{number}"
+            shutil.copytree(home / name, out / name, dirs_exist_ok=True)
+    shutil.rmtree(home)
+    return kind, begin, end, outcomes
 
 
 @contextlib.contextmanager
@@ -225,7 +232,7 @@ def prepared(folder: Path) -> Iterator[None]:
     if (process := os.fork()) == 0:
         os.environ["PINOGRASP_CACHE"] = str(folder.parent / "cache")
         try:
-            fuzz_kinds.prepare(folder)
+            fuzz_sources.prepare(folder)
             os._exit(0)
         except BaseException:
             traceback.print_exc()
@@ -233,7 +240,7 @@ def prepared(folder: Path) -> Iterator[None]:
             os._exit(1)
     if os.waitpid(process, 0)[1]:
         raise SystemExit("the sources could not be made")
-    fuzz_kinds.SOURCES[:] = [str(folder)]
+    fuzz_sources.SOURCES[:] = [str(folder)]
     try:
         yield
     finally:
@@ -253,21 +260,18 @@ def table(found: dict[str, Counter[str]]) -> str:
 
 
 def again(folder: Path, scratch: Path) -> str:
-    """Return the name of what comes of the files of a saved input, in a child."""
-    read, write = os.pipe()
-    if (process := os.fork()) == 0:
-        os.close(read)
+    """Return the name of what comes of the files of a saved input, in a child of limited time and memory."""
+
+    def work(numbers: range, pipe: int) -> None:
         copied = Path(shutil.copytree(folder, scratch / "input", dirs_exist_ok=True))
-        resource.setrlimit(resource.RLIMIT_CPU, (int(SECONDS), int(SECONDS)))
+        os.write(pipe, b"0 begun\n")
         outcome, details = failure_of(folder.name.split("-")[0], copied, True)
         said = details.splitlines()[-1:] if outcome not in OUTCOMES else []
-        os.write(write, " ".join([outcome, *said]).encode())
-        os._exit(0)
-    os.close(write)
-    with os.fdopen(read) as stream:
-        said = stream.read()
-    status = os.waitpid(process, 0)[1]
-    return said or f"signal {os.WTERMSIG(status)}"
+        os.write(pipe, f"0 {' '.join([outcome, *said])}\n".encode())
+
+    ((_, outcome),) = supervised(work, range(1), scratch / "log")
+    shutil.rmtree(scratch / "input")
+    return outcome
 
 
 def minimised(folder: Path, file: Path) -> None:
@@ -297,11 +301,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kind", action="append", choices=KINDS, help="only this kind; may be given several times")
     parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="folder of the failures")
+    parser.add_argument("--workers", type=int, default=1, help="processes at once")
+    parser.add_argument("--every", type=int, default=5000, help="inputs after which the table is printed")
     parser.add_argument("--again", type=Path, metavar="FOLDER", help="run a saved input instead")
     parser.add_argument("--minimise", action="store_true", help="make the largest file of the saved input smaller")
     options = parser.parse_args()
     if options.again is not None:
         folder = options.again.resolve()
+        with tempfile.TemporaryDirectory() as sound:
+            fuzz_kinds.warm(Path(sound))
         if options.minimise:
             inputs = [file for file in folder.iterdir() if file.is_file() and file.name != "failure.txt"]
             minimised(folder, max(inputs, key=lambda file: file.stat().st_mtime_ns))
@@ -309,7 +317,9 @@ def main() -> None:
             print(again(folder, Path(name)))
         return
     began = time.perf_counter()
-    found = fuzz(options.kind or list(KINDS), options.inputs, options.seed, options.out.resolve())
+    found = fuzz(
+        options.kind or list(KINDS), options.inputs, options.seed, options.out.resolve(), options.workers, options.every
+    )
     total = sum(counts.total() for counts in found.values())
     print(table(found))
     print(f"{total} inputs, {total / (time.perf_counter() - began):.1f} a second")

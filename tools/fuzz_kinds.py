@@ -15,7 +15,6 @@ import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ import yaml
 
 import pinograsp
 from fuzz_mutations import mutate_bytes, mutate_tree, mutate_xml
+from fuzz_sources import SOURCES, content_of, random_scene, shipped, sources
 from fuzz_toy import random_robot
 from pinograsp.array_cache import kept
 from pinograsp.cache_folder import cache_folders
@@ -36,8 +36,14 @@ from pinograsp.problem.checks import check_placement
 from pinograsp.results.encoding import encode
 from pinograsp.results.table import grasp_table, outcome_lines
 
+SHIPPED = 0.1
+"""Share of the URDFs and SRDFs that are shipped ones: they take longer than the toy."""
 RAW = 0.15
 """Share of the inputs whose bytes are changed, not their structure."""
+
+
+FIELDS = 30
+"""Of so many meshes, one has its distance field made, which takes most of a second."""
 
 
 class SilentNaNError(Exception):
@@ -54,32 +60,8 @@ class Kind:
     """Does with the input in a folder what a user does."""
     command: Callable[[Path], list[str]] | None = None
     """Arguments of a command that reads it."""
-
-
-# ---- Sources.
-
-
-@cache
-def sources(folder: Path) -> dict[str, list[Path]]:
-    """Return what is mutated of kinds that are not shipped: made once, by `prepare`."""
-    return {kind.name: sorted(kind.glob("[!.]*")) for kind in folder.iterdir()}
-
-
-def prepare(folder: Path) -> None:
-    """Write sources to a folder: results of two starts each, a small database, a toy robot and meshes."""
-    for name in ("result", "database", "mesh"):
-        (folder / name).mkdir(parents=True)
-    robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox")
-    database = folder / "database" / "small.duckdb"
-    pinograsp.build_database(robot, scene, database, size=1500, workers=1).close()
-    for starts in (2, 4):
-        result = pinograsp.plan(robot, scene, "sphere", starts=starts, workers=1, database=database)
-        pinograsp.write_json(result, folder / "result" / f"{starts}.json")
-    empty = scene.with_task("sphere", start_radius=1e-3)
-    result = pinograsp.plan(robot, empty, "sphere", starts=2, workers=1, database=database)
-    pinograsp.write_json(result, folder / "result" / "none.json")
-    for suffix, content in _meshes().items():
-        (folder / "mesh" / f"box.{suffix}").write_bytes(content)
+    share: int = 20
+    """Of all inputs, as against the others: few of what takes long."""
 
 
 def warm(folder: Path) -> None:
@@ -102,43 +84,6 @@ def warm(folder: Path) -> None:
         use_result(folder)
 
 
-def _meshes() -> dict[str, bytes]:
-    """Return a box in every format that is small enough to be written here."""
-    corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.04, 0.04)])
-    faces = [
-        (0, 1, 3),
-        (0, 3, 2),
-        (4, 6, 7),
-        (4, 7, 5),
-        (0, 4, 5),
-        (0, 5, 1),
-        (2, 3, 7),
-        (2, 7, 6),
-        (0, 2, 6),
-        (0, 6, 4),
-    ]
-    faces += [(1, 5, 7), (1, 7, 3)]
-    points = [" ".join(map(repr, corner)) for corner in corners.tolist()]
-    obj = "\n".join([*(f"v {p}" for p in points), *("f " + " ".join(str(i + 1) for i in face) for face in faces)])
-    off = "\n".join(["OFF", f"8 {len(faces)} 0", *points, *("3 " + " ".join(map(str, face)) for face in faces)])
-    header = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
-    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    ply = header + "\n".join([*points, *("3 " + " ".join(map(str, face)) for face in faces)])
-    parts = ["solid box"]
-    binary = bytes(80) + len(faces).to_bytes(4, "little")
-    for face in faces:
-        parts += ["facet normal 0 0 0", "outer loop", *(f"vertex {points[i]}" for i in face), "endloop", "endfacet"]
-        binary += np.concatenate([np.zeros(3), corners[list(face)].ravel()]).astype("<f4").tobytes() + bytes(2)
-    stl = "\n".join([*parts, "endsolid box"])
-    return {"obj": obj.encode(), "off": off.encode(), "ply": ply.encode(), "stl": stl.encode(), "bin.stl": binary}
-
-
-@cache
-def _content(file: Path) -> Any:
-    text = file.read_text()
-    return json.loads(text) if file.suffix == ".json" else yaml.safe_load(text)
-
-
 def _written(file: Path, tree: Any, rng: random.Random) -> None:
     """Write a mutated tree; of some only the bytes are changed, or the tree says things twice."""
     if rng.random() >= RAW:
@@ -155,61 +100,10 @@ def _json(tree: Any) -> str:
 # ---- Scenes.
 
 
-def _number(rng: random.Random, least: float, most: float) -> float:
-    return round(rng.uniform(least, most), 4)
-
-
-def random_scene(rng: random.Random) -> dict[str, Any]:
-    """Return the content of a scene file with random bodies in a random room."""
-
-    def sizes(*names: str) -> dict[str, float]:
-        return {name: _number(rng, 0.005, 0.08) for name in names}
-
-    def shape(depth: int = 0) -> dict[str, Any]:
-        kinds: list[dict[str, Any]] = [
-            {"type": "sphere", **sizes("radius")},
-            {"type": "box", "size": list(sizes("a", "b", "c").values())},
-            {"type": "cylinder", **sizes("radius", "height")},
-            {"type": "capsule", **sizes("radius", "length")},
-            {"type": "ellipsoid", "semi_axes": list(sizes("a", "b", "c").values())},
-            {"type": "cone", "bottom_radius": 0.03, "top_radius": 0.01, **sizes("height")},
-        ]
-        if depth == 0:
-            kinds.append({"type": "compound", "parts": [{"shape": shape(1), "pose": pose()} for _ in range(2)]})
-        return rng.choice(kinds)
-
-    def pose() -> dict[str, Any]:
-        return {
-            "position": [_number(rng, 0.3, 0.9), _number(rng, -0.3, 0.3), _number(rng, -0.2, 0.2)],
-            "rpy": [_number(rng, -3.0, 3.0) for _ in range(3)],
-        }
-
-    scene: dict[str, Any] = {
-        "format": 1,
-        "name": "random",
-        "enclosure": {"min": [0.0, -0.5, -0.5], "max": [1.2, 0.5, 0.5]},
-        "obstacles": {f"obstacle {i}": {"shape": shape(), "pose": pose()} for i in range(rng.randrange(3))},
-        "objects": {
-            f"object {i}": {"shape": shape(), "pose": pose(), "mass": 0.2} for i in range(1 + rng.randrange(2))
-        },
-    }
-    task = {"object": "object 0", "contact": {"friction": _number(rng, 0.1, 1.5)}}
-    if rng.random() < 0.5:
-        task["allowed_contacts"] = rng.choice(
-            (
-                {"type": "half_space", "normal": [0.0, 0.0, 1.0], "offset": 0.0},
-                {"type": "band", "z": [-0.01, 0.01]},
-                {"type": "any_of", "parts": [{"type": "ball", "center": [0.0, 0.0, 0.02], "radius": 0.05}]},
-            )
-        )
-    scene["tasks"] = {"task": task}
-    return scene
-
-
 def make_scene(folder: Path, rng: random.Random) -> None:
     """Write a mutated scene, shipped or random."""
     known = list(shipped_scenes().values())
-    tree = random_scene(rng) if rng.random() < 0.4 else copy.deepcopy(_content(rng.choice(known)))
+    tree = random_scene(rng) if rng.random() < 0.4 else copy.deepcopy(content_of(rng.choice(known)))
     _written(folder / "scene.yaml", tree, rng)
 
 
@@ -242,19 +136,29 @@ def make_robot(folder: Path, rng: random.Random) -> None:
         file = rng.choice(list(shipped_robots().values()))
         for beside in file.parent.iterdir():
             shutil.copy(beside, folder)
-        tree = copy.deepcopy(_content(file))
+        tree = copy.deepcopy(content_of(file))
     _written(folder / "robot.yaml", tree, rng)
 
 
 def make_urdf(folder: Path, rng: random.Random) -> None:
-    """Write the toy robot with a mutated URDF."""
+    """Write the toy robot, or now and then a shipped one, with a mutated URDF."""
+    if rng.random() < SHIPPED:
+        tree, files = shipped(rng)
+        (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"urdf": "toy.urdf"}))
+        (folder / "toy.urdf").write_bytes(_mutated_xml(files["urdf"].read_text(), rng))
+        return
     urdf, tree = random_robot(rng)
     (folder / "robot.yaml").write_text(yaml.safe_dump(tree))
     (folder / "toy.urdf").write_bytes(_mutated_xml(urdf, rng))
 
 
 def make_srdf(folder: Path, rng: random.Random) -> None:
-    """Write the toy robot with a mutated SRDF."""
+    """Write the toy robot, or now and then a shipped one, with a mutated SRDF."""
+    tree, files = shipped(rng) if rng.random() < SHIPPED else ({}, {})
+    if "srdf" in files:
+        (folder / "robot.yaml").write_text(yaml.safe_dump(tree | {"urdf": str(files["urdf"]), "srdf": "toy.srdf"}))
+        (folder / "toy.srdf").write_bytes(_mutated_xml(files["srdf"].read_text(), rng))
+        return
     urdf, tree = random_robot(rng)
     pairs = '<disable_collisions link1="arm" link2="left" reason="Adjacent"/>' * 2
     pairs = pairs.replace("arm", tree["arm"]["wrist"])
@@ -309,7 +213,9 @@ def use_mesh(folder: Path) -> None:
     """Read a scene with a mesh and the mesh with it."""
     scene = pinograsp.load_scene(folder / "scene.yaml")
     surface = surface_of(scene.objects["object 0"].shape)
-    require_finite([surface.radius, *surface.signed_distance(np.zeros((1, 3)))[0].tolist()], "mesh")
+    require_finite([surface.radius], "mesh")
+    if sum((folder / "scene.yaml").read_bytes()) % FIELDS == 0:
+        require_finite(surface.signed_distance(np.zeros((1, 3)))[0].tolist(), "distance")
 
 
 # ---- Results.
@@ -317,7 +223,7 @@ def use_mesh(folder: Path) -> None:
 
 def make_result(folder: Path, rng: random.Random) -> None:
     """Write a mutated result."""
-    _written(folder / "result.json", copy.deepcopy(_content(rng.choice(sources(Path(SOURCES[0]))["result"]))), rng)
+    _written(folder / "result.json", copy.deepcopy(content_of(rng.choice(sources(Path(SOURCES[0]))["result"]))), rng)
 
 
 def use_result(folder: Path) -> None:
@@ -386,6 +292,10 @@ def use_database(folder: Path) -> None:
         raise AssertionError("an export holds another file")
 
 
+def _database_info(folder: Path) -> list[str]:
+    return ["database", "info", str(folder / "small.duckdb")]
+
+
 # ---- Caches.
 
 
@@ -430,15 +340,15 @@ def _numbers(data: Any) -> Iterator[float]:
         yield data
 
 
-SOURCES: list[str] = []
-"""The folder of `prepare`."""
 KINDS = {
     "scene": Kind(make_scene, use_scene, None),
     "robot": Kind(make_robot, use_robot, lambda folder: ["robot", "check", str(folder / "robot.yaml")]),
     "urdf": Kind(make_urdf, use_robot),
     "srdf": Kind(make_srdf, use_robot),
-    "mesh": Kind(make_mesh, use_mesh),
+    "mesh": Kind(make_mesh, use_mesh, share=8),
     "result": Kind(make_result, use_result, lambda folder: ["rank", str(folder / "result.json")]),
-    "database": Kind(make_database, use_database, lambda folder: ["database", "info", str(folder / "small.duckdb")]),
-    "cache": Kind(make_cache, use_cache),
+    "database": Kind(
+        make_database, use_database, lambda folder: ["database", "info", str(folder / "small.duckdb")], share=2
+    ),
+    "cache": Kind(make_cache, use_cache, share=4),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import random
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
@@ -56,7 +57,7 @@ def mutate_tree(tree: Tree, rng: random.Random) -> None:
             case 3 if isinstance(block, list):
                 block.insert(rng.randrange(len(block) + 1), part)
             case 4:
-                block[key] = part_at(tree, rng.choice(places)) if rng.random() < 0.7 else [[part]]
+                block[key] = copy.deepcopy(part_at(tree, rng.choice(places))) if rng.random() < 0.7 else [[part]]
             case 5 if isinstance(part, int | float) and not isinstance(part, bool):
                 block[key] = part * rng.choice((0.99, 1.01, -1, 0, 1e3, 1e-3, 57.3)) + rng.choice((0, 0, 1e-3, 1))
             case 6 | 7:

@@ -27,10 +27,8 @@ from typing import NamedTuple
 import coal
 import numpy as np
 
-from ..array_cache import kept
 from ..arrays import Array, Mask
 from ..descriptions.patches import LinePatch, PlanePatch
-from ..disk import digest
 from ..geometry.hull_points import solid_points
 from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_normal, face_point, face_ranges
@@ -45,8 +43,6 @@ from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies
 from .world import Solid
 
-VERSION = 1
-"""Of the trees of points that are kept; to be raised with every change of how they are made."""
 APART, FAR_APART = 0.001, 0.004
 """How far points of a solid may be from the nearest of its points: of links that the hand moves or that carry it, and
 of the other links, m."""
@@ -175,17 +171,7 @@ def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...]
 
 
 def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    points, joints = [found.points for found in sets], [found.joint for found in sets]
-    sizes = [len(some) for some in points]
-    key = digest(f"{VERSION} {sizes} {joints} ".encode() + b"".join(some.tobytes() for some in points))
-    trees = kept(
-        "points",
-        f"{key[:32]}-trees",
-        lambda: point_trees(points, joints),
-        lambda made: made._asdict(),
-        lambda read: PointTrees(*(read[name] for name in PointTrees._fields)),
-    )
-    return tuple(sets), trees
+    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
 
 
 def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:

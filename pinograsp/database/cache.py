@@ -14,7 +14,7 @@ from pathlib import Path
 from ..cache_folder import cache_folders, in_cache
 from ..descriptions import Scene
 from ..descriptions.task import Margins
-from ..disk import is_file
+from ..disk import is_file, make_way
 from ..errors import DamagedError, DatabaseMismatchError, FileError
 from ..kinematics.robot import Robot
 from ..progress import Report, no_report
@@ -54,6 +54,8 @@ def cached_database(
         with building(file, wait=True):
             if (there := _there(file, identity)) is not None:  # another process has built it meanwhile
                 return there
+            make_way(file)
+            make_way(unfinished)
             try:
                 build(unfinished).close()
             except (DamagedError, DatabaseMismatchError):  # what was begun cannot be gone on with

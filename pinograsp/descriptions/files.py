@@ -49,6 +49,10 @@ class _Lines:
         elif isinstance(node, yaml.SequenceNode):
             for index, item in enumerate(node.value):
                 self._visit(item, (*path, index))
+        elif isinstance(node, yaml.ScalarNode) and "\0" in node.value:
+            line, key = node.start_mark.line + 1, dotted(path) or None
+            problem = "a text with a NUL character, which no name of a file can have"
+            raise InputError(problem, file=self._file, line=line, key=key, remedy="Take it out")
 
 
 def read_file(file: Path, model: type[Root]) -> Root:

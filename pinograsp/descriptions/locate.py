@@ -101,6 +101,8 @@ def resolve(address: str, *, beside: Path, folders: PackageFolders) -> Path | No
     `beside` is the file that holds the address. A result outside `folders` and the folder of `beside`
     is refused (None).
     """
+    if "\0" in address:  # no file has it in its name
+        return None
     home = beside.resolve().parent
     allowed = [home, *(folder.resolve() for folder in folders.all)]
     for candidate in candidates(address, home, folders):

@@ -21,6 +21,8 @@ from .mesh_parts import corners_of
 from .mesh_repair import repaired
 from .no_body import NoBodyError
 
+FARTHEST = 1e3
+"""Distance of a corner from the origin of its file, m: no object is larger, and squares of it stay numbers."""
 SMALLEST = 0.002
 """A body that is smaller may have coordinates of another unit, m."""
 
@@ -62,8 +64,12 @@ def _made(
     shape = Mesh(file=file, sha256=sha256, scale=scales, unit=unit, largest_hole=largest_hole)
     read = read_content(file, shape.content())
     scaled = read.vertices * scales
-    extent = float(np.ptp(scaled[corners_of(read.faces, len(scaled))], axis=0).max())
+    used = scaled[corners_of(read.faces, len(scaled))]
+    extent = float(np.ptp(used, axis=0).max())
     metres = metres_in_unit(unit, read.metres, extent)
+    if not (farthest := float(np.abs(used).max()) * metres) <= FARTHEST:
+        problem = f"a corner is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
+        raise FileError(problem, file=file, remedy="Check its numbers, `scale` and `unit`")
     try:
         body = repaired(scaled * metres, read.faces, largest_hole)
     except NoBodyError as error:
