@@ -129,7 +129,7 @@ def random_scene(robot: Robot, rng: np.random.Generator, name: str) -> Scene:
         around[f"post_{number}"] = Object(shape=post, pose=Pose(position=tuple((there + off).tolist())))
     task = {
         "object": "thing",
-        "wrench": {"force": (0.0, 0.0, -float(rng.uniform(0.2, 12.0)))},
+        "wrench": {"force": (0.0, 0.0, -float(rng.uniform(0.2, 6.0)))},
         "contact": {"friction": float(rng.uniform(0.3, 1.0))},
         "margin": {"enclosure": MARGINS[kind], "object": float(rng.uniform(0.0005, 0.002))},
     }

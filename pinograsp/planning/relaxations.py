@@ -24,7 +24,7 @@ from ..errors import InputError
 from ..geometry.shapes import surface_of
 from ..results import Grasp
 
-LENGTHS = tuple(0.005 * 2.0 ** (0.5 * k) for k in range(14))
+LENGTHS = tuple(0.005 * 2.0**k for k in range(7))
 """Sizes of moves that are tried, m."""
 NOWHERE = 1e-3
 """Length of a way that has no direction, m."""
