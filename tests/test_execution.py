@@ -13,6 +13,7 @@ from contextlib import closing
 from functools import partial
 from multiprocessing.context import ForkProcess
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,19 @@ def deadly(folder: Path, item: int, times: int) -> Callable[[int], int]:
         return given**2
 
     return handle
+
+
+class Dropping(SimpleQueue[Any]):
+    """A queue whose third item is taken as Ctrl-C comes."""
+
+    taken = 0
+
+    def get(self, *args: Any, **keys: Any) -> Any:
+        item = super().get(timeout=10.0)
+        self.taken += 1
+        if self.taken == 3:
+            raise KeyboardInterrupt
+        return item
 
 
 def raising(where: str) -> Callable[[int], int]:
@@ -320,3 +334,16 @@ def test_dask_workers_give_the_same_bytes_when_one_is_killed(
         os.kill(pids[0], signal.SIGKILL)
         attempts.extend(outcomes)
     assert content(iter(attempts)) == expected
+
+
+def test_what_is_taken_as_an_interrupt_comes_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pinograsp.execution.distribute.SimpleQueue", Dropping)
+    found: list[int] = []
+    with (
+        ThreadPoolExecutor(1) as pool,
+        pytest.raises(KeyboardInterrupt),
+        closing(GivenExecutor(pool).run(squares, ITEMS, chunk=1)) as running,
+    ):
+        found.extend(running)
+    assert len(found) >= 3
+    assert sorted(found) == SQUARES[: len(found)]

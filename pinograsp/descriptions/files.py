@@ -51,7 +51,7 @@ class _Lines:
                 self._visit(item, (*path, index))
         elif isinstance(node, yaml.ScalarNode) and "\0" in node.value:
             line, key = node.start_mark.line + 1, dotted(path) or None
-            problem = "a text with a NUL character, which no name of a file can have"
+            problem = "a text with the character U+0000, which no name of a file can have"
             raise InputError(problem, file=self._file, line=line, key=key, remedy="Take it out")
 
 

@@ -110,9 +110,12 @@ def _landed(
                 taken()
                 interrupt = again
                 for begun in tuple(flying):
-                    begun.cancel()
+                    if begun.cancel() or begun.done():
+                        landed.put(begun)  # once more: what was taken as the interrupt came is lost
                 continue
-            some = flying.pop(future)
+            some = flying.pop(future, None)
+            if some is None:
+                continue
             if interrupt is None:
                 fill()  # before the outcomes are looked at: workers must not wait for whoever consumes them
             elif _error(future):

@@ -45,8 +45,8 @@ from .task_model import TaskModel
 
 DRAWN, DRAWS = 400, 40
 """Points that are drawn at once, and how often at most."""
-LOOKED_AT = 480
-"""Pairs that are tried with the pads, at most, and as many of those near edges."""
+LOOKED_AT, MOST_LOOKED_AT = 120, 480
+"""Pairs that are tried with the pads: at least, if there are enough, and at most; as many of those near edges."""
 KEPT = 48
 """Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
 PARALLEL = math.radians(0.5)
@@ -210,13 +210,13 @@ class Proposals:
             rooms = self._rooms(pairs)
             for number in rng.permutation(np.flatnonzero(rooms >= self._model.task.reserve.rim)).tolist():
                 pair, roomy = pairs.at(np.array([number])), bool(rooms[number] >= ROOM)
-                if tried[roomy] < LOOKED_AT:
+                if tried[roomy] < MOST_LOOKED_AT:
                     tried[roomy] += 1
                     holds = self._finder.holds(pair)
                     if holds is not None:
                         record = ContactPair(pair.points[0], pair.normals[0], float(pair.widths[0]))
                         found.append(Candidate(record, holds, roomy and holds.central))
-            if tried[True] == LOOKED_AT:
+            if tried[True] == MOST_LOOKED_AT or (tried[True] >= LOOKED_AT and sum(c.roomy for c in found) >= KEPT):
                 break
         if any(tried.values()):
             reason = _Reason("no face is there that a pad fits on", "Use a gripper with smaller pads")

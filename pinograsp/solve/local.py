@@ -108,8 +108,9 @@ class LocalSolver:
         if not proposed:
             problem = self.problem(nearest_assignment(self._model, start))
             return ((problem, x) for x in initial_guesses(problem, start.x, self._options.projection))
-        held = held_guesses(self.problem, start, proposed)
-        return chain(held, nearest_first(self.problem, start, proposed, self._options.projection))
+        onto = self._options.projection
+        held = held_guesses(self.problem, start, proposed) if onto == "contacts and clearance" else ()
+        return chain(held, nearest_first(self.problem, start, proposed, onto))
 
     def _run(self, problem: GraspProblem, guess: Array, evaluations: int) -> Run:
         """Solve a problem from a point, shape (v,)."""
