@@ -30,7 +30,8 @@ from pinograsp import (
 )
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, carried, greatest_force, greatest_force_parallel
-from pinograsp.planning.relaxations import Failure, grown, place
+from pinograsp.planning.relaxations.regions import grown
+from pinograsp.planning.relaxations.variant import Failure, place
 from pinograsp.planning.remedies import Trials, remedies
 from pinograsp.progress import no_report
 from pinograsp.results.table import explanation_lines
@@ -53,7 +54,7 @@ def room(make_toy_scene: SceneFactory) -> Scene:
 def odd(robot: Robot, scene: Scene) -> tuple[str, ...]:
     """Return the warnings that a task gets before it is solved."""
     with Planner(robot, scene, workers=1) as planner:
-        return planner._checked("ball")[1]
+        return planner._models.checked("ball")[1]
 
 
 def refused(robot: Robot, scene: Scene) -> TaskError:

@@ -32,6 +32,7 @@ from pinograsp.mechanics import ContactModels, ForceLimits, least_cost, least_co
 from pinograsp.mechanics.barrier import barrier
 from pinograsp.planning.assemble import claim_of
 from pinograsp.planning.bound import least_U
+from pinograsp.planning.single_grasps import SingleGrasps
 from pinograsp.problem import TaskModel
 from pinograsp.results import Result
 from pinograsp.verification import Claim
@@ -190,7 +191,7 @@ def test_a_search_ends_at_a_number_a_deadline_or_the_bound(planner: Planner) -> 
     assert time.perf_counter() - began < 10.0
     planner.move("sphere", THERE)
     *_, last = planner.grasps("sphere")
-    assert 1.001 * least_U(planner._model("sphere")) >= last.cost.U
+    assert 1.001 * least_U(planner._models.model("sphere")) >= last.cost.U
 
 
 def test_the_first_grasps_as_a_result(gen3: Robot, glovebox: Scene, tmp_path: Path) -> None:
@@ -228,7 +229,7 @@ def test_an_interruption_of_the_first_grasps_keeps_them(
         raise KeyboardInterrupt
 
     if stage == "preparations":
-        monkeypatch.setattr(Planner, "_nearest", interrupt)
+        monkeypatch.setattr(SingleGrasps, "nearest", interrupt)
     with Planner(gen3, glovebox, workers=1) as planner:
         planner._report = lambda progress: interrupt() if progress.stage == "starts" else None
         result = planner.first("sphere")
@@ -522,7 +523,7 @@ def test_the_bound_holds_for_other_tasks(paper: Robot, curved_gen3: Robot) -> No
 
 def test_claims_of_states_are_what_is_checked(planner: Planner, grasp: pinograsp.Grasp) -> None:
     """The session's check puts the contacts where the grasp has them."""
-    model = planner._model("sphere")
+    model = planner._models.model("sphere")
     from pinograsp.planning.own_configuration import _touching
 
     claim = claim_of(_touching(model, np.concatenate([grasp.q_arm, grasp.synergy])))

@@ -11,27 +11,24 @@ from ..results import Grasp
 from ..results.explanation import Cause, Explanation
 from ..verification.check import Verifier
 from .assemble import claim_of, grasp_of
-from .attempt import Attempt
+from .attempt import Attempt, verifier_of
 from .outcomes import obstacle_of
 
 APART = " - "
 """Between the two bodies of a clearance."""
 
 
-def explanation_of(model: TaskModel, verifier: Verifier, attempts: Sequence[Attempt]) -> Explanation:
-    """Return what starts without a grasp say of it: causes and nearest miss.
+def explanation_of(model: TaskModel, attempts: Sequence[Attempt]) -> Explanation | None:
+    """Return what kept starts from a grasp: causes and nearest miss; None if one led to a grasp, or none was tried.
 
     Args:
         model: the task.
-        verifier: of the same task.
         attempts: what became of the starts.
     """
-    verified = sum(1 for attempt in attempts if attempt.grasp)
+    if not attempts or any(attempt.grasp for attempt in attempts):
+        return None
     return Explanation(
-        causes=_causes(attempts),
-        nearest_miss=_nearest_miss(model, verifier, attempts),
-        done=len(attempts),
-        verified=verified,
+        causes=_causes(attempts), nearest_miss=_nearest_miss(model, verifier_of(model), attempts), done=len(attempts)
     )
 
 
@@ -39,8 +36,6 @@ def _causes(attempts: Sequence[Attempt]) -> tuple[Cause, ...]:
     """Return the causes of starts without a grasp, the most frequent first."""
     found: dict[tuple[str, str], Cause] = {}
     for attempt in sorted(attempts, key=lambda a: a.solution.start):
-        if attempt.grasp:
-            continue
         kind, miss, unit, where = obstacle_of(attempt)
         body = where.rpartition(APART)[2] if APART in where else ""
         known = found.get((kind, body))

@@ -27,7 +27,8 @@ from ..solve.pair_trials import PairTrials
 from ..solve.starts import starts_near
 from .attempt import attempt, items_of, verifier_of
 from .defaults import PROPOSED
-from .relaxations import Failure, Variant, suitable
+from .relaxations import suitable
+from .relaxations.variant import Failure, Variant
 
 STARTS = 12
 """Of a short plan that asks whether a change helps; it ends with its first grasp."""

@@ -17,7 +17,7 @@ from ..progress import Report
 from ..results import Result
 from ..results.explanation import Explanation, Remedy
 from ..solve.options import SolverOptions
-from .relaxations import Failure
+from .relaxations.variant import Failure
 from .remedies import Trials, remedies
 
 BETWEEN = re.compile(r"\.[^.\[]+(?=\.)|\[.*$")

@@ -1,0 +1,55 @@
+"""Wider jaws, as an object that is narrower."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...descriptions.scene import Body
+from ...descriptions.shapes import Box, Capsule, Cylinder, Sphere
+from ...errors import InputError
+from ...geometry.shapes import surface_of
+from .variant import SMALL, Failure, Variant, place
+
+
+def jaws(failure: Failure) -> Iterator[Variant]:
+    """Yield wider jaws, as an object that is so much narrower between its desired contacts."""
+    task, body = failure.task, failure.target
+    points = np.array(task.desired_contacts or ()).reshape(-1, 3)
+    if len(points) not in (0, 2):
+        return
+    normals = surface_of(body.shape).signed_distance(points)[1]
+
+    def changes(size: float) -> Mapping[str, Any]:
+        shape = _narrower(body, normals, size)
+        moved = points - 0.5 * size * normals
+        found: dict[str, Any] = {place("objects", task.object, "shape"): shape}
+        if len(points):
+            found[place("tasks", failure.task_name, "desired_contacts")] = moved.tolist()
+        return found
+
+    def text(size: float) -> str:
+        return f"a jaw that opens {1e3 * size:.1f} mm wider, or {task.object!r} narrower by as much"
+
+    yield Variant("jaw", "m", 1e-4, changes, lambda size: size, text, SMALL)
+
+
+def _narrower(body: Body, normals: Array, size: float) -> Mapping[str, Any]:
+    """Return the shape of a body that is narrower across the normals, or where it is narrowest, as JSON data.
+
+    Raises:
+        InputError: there is no such shape.
+    """
+    shape = body.shape
+    match shape:
+        case Sphere() | Cylinder() | Capsule():
+            changed: Mapping[str, Any] = {"radius": shape.radius - 0.5 * size}
+        case Box():
+            axis = int(np.abs(normals[0]).argmax()) if len(normals) else int(np.argmin(shape.size))
+            changed = {"size": tuple(s - size * (i == axis) for i, s in enumerate(shape.size))}
+        case _:
+            raise InputError(f"a shape of type {shape.type} is not made narrower")
+    return shape.model_copy(update=changed).model_dump(mode="json", exclude_none=True)
