@@ -95,6 +95,7 @@ from .results.different import Different as Different
 from .results.explanation import Cause as Cause
 from .results.explanation import Explanation as Explanation
 from .results.explanation import Remedy as Remedy
+from .results.explanation import Tried as Tried
 from .results.grasp import Contact as Contact
 from .results.grasp import Cost as Cost
 from .results.grasp import Grasp as Grasp

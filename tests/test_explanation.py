@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -17,24 +16,17 @@ from pinograsp import (
     Body,
     Box,
     Explanation,
-    HalfSpace,
     Object,
-    Outside,
     Planner,
     Pose,
     Remedy,
     Scene,
-    SolverOptions,
     Sphere,
     TaskError,
 )
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, carried, greatest_force, greatest_force_parallel
-from pinograsp.planning.relaxations.regions import grown
-from pinograsp.planning.relaxations.variant import Failure, place
-from pinograsp.planning.remedies import Trials, remedies
-from pinograsp.progress import no_report
-from pinograsp.results.table import explanation_lines
+from pinograsp.planning.relaxations.variant import place
 from pinograsp.verification.certificate import Certificate, Figure
 from pinograsp.visualization import colors
 from pinograsp.visualization.offenders import offenders
@@ -163,52 +155,6 @@ def test_an_object_that_hangs_a_little_above_something_is_remarked_on(toy: Robot
 
 
 @pytest.fixture(scope="module")
-def lighter(toy: Robot, room: Scene) -> tuple[Scene, Explanation]:
-    scene = room.with_task("ball", wrench={"force": (0.0, 0.0, -30.0)})
-    return scene, explained(toy, scene)
-
-
-def test_the_remedy_of_a_load_is_what_can_be_carried(toy: Robot, lighter: tuple[Scene, Explanation]) -> None:
-    scene, explanation = lighter
-    (remedy,) = explanation.remedies
-    assert (remedy.kind, remedy.unit) == ("weight", "N")
-    assert 5.0 < remedy.amount < 6.69  # to 10 % of what is taken away, and strictly within the friction cones
-    assert explanation.refusal.startswith("two pads that are parallel carry at most 6.69 N")
-    changed = remedy.apply(scene)
-    assert changed.wrench_of(changed.task("ball")).force == pytest.approx((0.0, 0.0, -remedy.amount))
-    assert pinograsp.plan(toy, changed, "ball", starts=6, seed=5, workers=1).verified
-    assert remedy.text in "\n".join(explanation_lines(explanation))
-
-
-def test_the_remedy_of_a_margin_that_leaves_no_room_is_a_smaller_one(toy: Robot, room: Scene) -> None:
-    """With such a margin the arm is nowhere free: the starts of the trials are those of the usual one."""
-    margins = room.task("ball").margin
-    scene = room.with_task("ball", margin=margins.model_copy(update={"enclosure": 0.5}))
-    explanation = explained(toy, scene)
-    assert "no pad can get there" in explanation.refusal
-    remedy = next(remedy for remedy in explanation.remedies if remedy.kind == "margin")
-    assert 0.0 < remedy.amount <= 0.5
-    changed = remedy.apply(scene)
-    assert changed.task("ball").margin.enclosure == pytest.approx(0.5 - remedy.amount)
-    assert pinograsp.plan(toy, changed, "ball", starts=6, seed=5, workers=1).verified
-
-
-def test_the_remedy_of_an_object_in_an_obstacle_is_to_move_it_out(toy: Robot, room: Scene) -> None:
-    front = Body(shape=Box(size=(0.3, 0.02, 0.2)), pose=Pose(position=(0.0, -0.0235, 0.222)))
-    scene = room.with_obstacle("front", front)
-    failure = Failure(scene, "ball", np.zeros(3), ("front",), ("objects.pose",))
-    with Planner(toy, scene, workers=1) as planner:
-        database = planner._databases.of(scene, scene.task("ball").margin)
-        trials = Trials(toy, database, "ball", SolverOptions(), 0, math.inf)
-        remedy = next(remedies(failure, trials, no_report))
-    assert remedy.kind == "move obstacle"
-    assert "'front'" in remedy.text and "along -y" in remedy.text
-    assert 0.0105 <= remedy.amount <= 0.02  # 11.5 mm deep, 1 mm may stay; the fingers want their margin
-    moved = remedy.apply(scene).obstacles["front"].pose.position
-    assert moved[1] == pytest.approx(-0.0235 - remedy.amount)
-
-
-@pytest.fixture(scope="module")
 def narrow(toy: Robot, room: Scene) -> tuple[Scene, Explanation]:
     """Contact on a cap of the ball where no two points are opposite: 20 mm lower they are."""
     scene = room.with_task("ball", allowed_contacts=Band(z=(0.020, 0.024)))
@@ -260,13 +206,6 @@ def test_results_with_grasps_have_no_explanation(toy: Robot, room: Scene, tmp_pa
     assert "explanation" not in json.loads((tmp_path / "result.json").read_text())
     works = explained(toy, room)
     assert (works.verified, works.remedies, works.causes) == (6, (), ())
-
-
-def test_regions_grow() -> None:
-    assert grown(Band(z=(0.02, 0.024)), 0.003) == Band(z=(0.017, 0.027))
-    half = HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.01)
-    assert grown(half, 0.004) == HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.006)
-    assert grown(Outside(part=half), 0.004) == Outside(part=HalfSpace(normal=(0.0, 0.0, 1.0), offset=0.014))
 
 
 def test_a_remedy_is_for_the_scene_that_was_explained(room: Scene) -> None:

@@ -126,6 +126,16 @@ def test_depths_are_those_of_the_ring(way: dict[str, Any], folder: Path) -> None
     np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("beyond", [0.003, -0.002])
+def test_regions_reach_beyond_the_paint(beyond: float, folder: Path) -> None:
+    region, points = painted(folder, WAYS[0] | {"beyond": beyond}), around(200)
+    expected = np.minimum(points[:, 2] - HEIGHTS[3], HEIGHTS[4] - points[:, 2]) + beyond
+    np.testing.assert_allclose(membership(region)(points)[0], expected, atol=1e-8)
+    np.testing.assert_allclose(painted_depths(region, points), expected, atol=1e-8)
+    plain = membership(painted(folder, WAYS[0]))(points)[1]
+    np.testing.assert_allclose(membership(region)(points)[1], plain, atol=1e-12)
+
+
 def test_gradient_of_membership(folder: Path) -> None:
     function, points = membership(painted(folder, WAYS[0])), around(50)
     differences = [(function(points + step)[0] - function(points - step)[0]) / 2e-7 for step in 1e-7 * np.eye(3)]
@@ -240,6 +250,13 @@ def test_what_is_not_painted_is_refused_with_what_is(way: dict[str, Any], words:
     with pytest.raises(FileError) as caught:
         membership(painted(folder, way))
     assert words in str(caught.value)
+
+
+def test_paint_of_the_objects_own_mesh_keeps_how_far_it_reaches(folder: Path) -> None:
+    mesh = Mesh(file=folder / "can.ply")
+    region = on_object(Painted(color=GREEN, beyond=0.004), mesh)
+    assert isinstance(region, Painted)
+    assert (region.file, region.beyond) == (mesh.file, 0.004)
 
 
 def test_an_object_that_is_no_mesh_has_no_paint_of_its_own() -> None:

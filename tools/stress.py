@@ -190,6 +190,7 @@ def tried(robot: Robot, scene: Scene, options: argparse.Namespace, row: Row) -> 
     said += [why.refusal] if why.refusal else [f"{c.kind} {c.body} {c.share:.2f}" for c in why.causes[:3]]
     said += why.warnings
     counts["explained"] += bool(why.refusal or why.causes or why.warnings)
+    said += [f"tried: {tried.text}, {tried.ending}" for tried in why.tried]
     counts["with remedies"] += bool(why.remedies)
     for remedy in why.remedies:
         counts["remedies"] += 1

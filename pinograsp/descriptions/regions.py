@@ -114,6 +114,8 @@ class Painted(MeshFile):
     """Name of a material."""
     group: Name | None = None
     """Name of an object, a group or a part of the file."""
+    beyond: Number = 0.0
+    """How far the region reaches beyond the border of the paint, m; negative: it ends so far inside."""
 
     @model_validator(mode="after")
     def _something(self) -> Painted:
@@ -183,7 +185,8 @@ def on_object(region: Region, shape: ShapeDescription) -> Region:
                 problem = f"nothing is painted on an object of type {shape.type}"
                 raise InputError(problem, remedy="Give the painted region a `file`, or make the object a mesh")
             of_mesh = {name: getattr(shape, name) for name in MeshFile.model_fields}
-            return Painted(**of_mesh, color=region.color, material=region.material, group=region.group)
+            words = {"color": region.color, "material": region.material, "group": region.group}
+            return Painted(**of_mesh, **words, beyond=region.beyond)
         case AllOf() | AnyOf():
             return region.model_copy(update={"parts": tuple(on_object(part, shape) for part in region.parts)})
         case Outside():

@@ -110,7 +110,13 @@ def _near(region: described.Near, sign: float) -> Membership:
 
 
 def _painted(region: described.Painted, sign: float) -> Membership:
-    return _signed(painted_surface(region).membership, sign)
+    surface = painted_surface(region)
+
+    def inside(points: Array) -> tuple[Array, Array]:
+        depths, gradients = surface.membership(points)
+        return depths + region.beyond, gradients
+
+    return _signed(inside, sign)
 
 
 def _all_of(region: described.AllOf, sign: float) -> Membership:

@@ -238,6 +238,7 @@ class Planner:
             task,
             lambda: self.plan(task, starts=starts, seed=seed),
             lambda: self._databases.widest(self.scene, self.scene.task(task).margin),
+            lambda: self._models.proposed(task, seed),
             options=self._options,
             seed=seed,
             deadline=deadline,

@@ -80,6 +80,11 @@ class TaskModels:
             self._proposed[key] = Proposals(model, seed, PairTrials(model).held)
         return self._proposed[key]
 
+    def proposed(self, task: str, seed: int) -> tuple[TaskModel, Proposals] | None:
+        """Return the model of a task and what was proposed for it with a seed, if anything was until now."""
+        known = self._proposed.get((task, seed))
+        return None if known is None else (self._models[task], known)
+
     def candidates(self, model: TaskModel, seed: int) -> tuple[Candidate, ...]:
         """Return the pairs that are proposed to the starts of a task; none if it desires some points.
 

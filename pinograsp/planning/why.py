@@ -13,12 +13,15 @@ from ..errors import TaskError
 from ..interrupts import taken
 from ..kinematics.reach import arm_reach
 from ..kinematics.robot import Robot
+from ..problem import TaskModel
+from ..problem.proposals import Proposals
 from ..progress import Report
 from ..results import Result
-from ..results.explanation import Explanation, Remedy
+from ..results.explanation import Explanation, Remedy, Tried
 from ..solve.options import SolverOptions
 from .relaxations.variant import Failure
-from .remedies import Trials, remedies
+from .remedies import remedies
+from .trials import Trials
 
 BETWEEN = re.compile(r"\.[^.\[]+(?=\.)|\[.*$")
 """What a key of the scene has besides table and field: names, numbers."""
@@ -31,6 +34,7 @@ def explained(
     task: str,
     plan: Callable[[], Result],
     database: Callable[[], Database],
+    proposed: Callable[[], tuple[TaskModel, Proposals] | None],
     *,
     options: SolverOptions,
     seed: int,
@@ -45,6 +49,7 @@ def explained(
         task: its name.
         plan: plans it.
         database: gives the starts.
+        proposed: gives the model of the plan and what it has proposed to its starts, if anything.
         options: how a start is solved.
         seed: of the choice of starts.
         deadline: after which no start of a remedy begins, s from the end of the plan.
@@ -68,17 +73,20 @@ def explained(
     if not (found.verified or found.interrupted):
         base = arm_reach(robot.mounted(scene.mounting.matrix))[0]
         failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss)
-        kept = list[Remedy]()
+        kept, tried, ended = list[Remedy](), list[Tried](), False
         try:
-            trials = Trials(robot, database(), task, options, seed, time.perf_counter() + deadline)
-            for remedy in remedies(failure, trials, report):
-                kept.append(remedy)  # so that an end loses none
+            end = time.perf_counter() + deadline
+            trials = Trials(robot, database(), task, options, seed, end, proposed())
+            for outcome in remedies(failure, trials, report):  # kept one by one, so that an end loses none
+                if isinstance(outcome, Remedy):
+                    kept.append(outcome)
+                else:
+                    tried.append(outcome)
         except KeyboardInterrupt:
             taken()
-            found = replace(found, interrupted=True)
-        except TimeoutError:
-            found = replace(found, interrupted=True)
-        found = replace(found, remedies=tuple(kept))
+            ended = True
+        ended |= not all(change.whole for change in tried)
+        found = replace(found, remedies=tuple(kept), tried=tuple(tried), interrupted=ended)
     return replace(found, seconds=time.perf_counter() - began)
 
 

@@ -79,6 +79,30 @@ class Remedy(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Tried(Record):
+    """A change of the scene that was tried, and of which no size makes the task work for certain."""
+
+    kind: str
+    """Kind of the change, as of a `Remedy`."""
+    text: str
+    """What was tried, in words, with figures and units: how far."""
+    furthest: float
+    """Size up to which it was tried, in `unit`; of a load, how many parts of what is left are taken away."""
+    unit: str
+    """SI."""
+    whole: bool
+    """Whether it was tried as far as it was to be; False: the time was over."""
+    unsure: bool
+    """Whether a start of a short plan was verified, but too few of the plan that would have made it sure."""
+
+    @property
+    def ending(self) -> str:
+        """What came of it, in words."""
+        found = "too few starts verified" if self.unsure else "no grasp"
+        return found if self.whole else f"{found} when the time was over"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Explanation(Record):
     """Why a task found no grasp, and the least changes that make it work."""
 
@@ -91,6 +115,8 @@ class Explanation(Record):
     draws it like a grasp, what offends in red."""
     remedies: tuple[Remedy, ...] = ()
     """Changes that were found to help, in the order of the causes that they answer; `explain` finds them."""
+    tried: tuple[Tried, ...] = ()
+    """Changes that were tried, and found not to help; `explain` tries them."""
     warnings: tuple[str, ...] = ()
     """Sentences about what is odd about the task."""
     done: int = 0

@@ -160,8 +160,9 @@ def explanation_lines(explanation: Explanation) -> list[str]:
         lines.append(f"remedy {number}: {remedy.text} (then {remedy.verified} of {_starts(remedy.tried)} verified)")
     if not (explanation.remedies or explanation.verified):
         lines.append("no single change that was tried helps")
+    lines += [f"tried: {tried.text}, {tried.ending}" for tried in explanation.tried]
     if explanation.interrupted:
-        lines.append("the search for remedies was ended before all kinds of changes were tried")
+        lines.append("the search for remedies was ended before all changes were tried; more time: `deadline`")
     return lines
 
 

@@ -73,12 +73,13 @@ class PaintedTriangles:
 
 
 def painted_depths(region: Painted, points: Array) -> Array:
-    """Return how deep points, shape (n, 3), are in what is painted, m, negative outside, shape (n,).
+    """Return how deep points, shape (n, 3), are in a painted region, m, negative outside, shape (n,).
 
     Raises:
         FileError: the file cannot be read, or is not that which was described.
     """
-    return _triangles(region.model_dump_json()).depths(points)
+    paint = region.model_copy(update={"beyond": 0.0})
+    return _triangles(paint.model_dump_json()).depths(points) + region.beyond
 
 
 @lru_cache(maxsize=32)

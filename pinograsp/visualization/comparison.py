@@ -49,7 +49,9 @@ def explanation_tables(explanation: Explanation) -> str:
     """Return the tables of causes and remedies."""
     causes = [row(c.kind, f"{100.0 * c.share:.0f} %", _miss(c), note=c.where) for c in explanation.causes]
     remedies = [row(r.text, f"{r.verified} of {r.tried}", note="starts verified then") for r in explanation.remedies]
-    tables = (("What kept starts from a grasp, nearest miss", causes), ("What would help", remedies))
+    tried = [row(t.text, t.ending) for t in explanation.tried]
+    kept, helps = "What kept starts from a grasp, nearest miss", "What would help"
+    tables = ((kept, causes), (helps, remedies), ("What was tried besides", tried))
     return "".join(f"<table><caption>{name}</caption>{''.join(rows)}</table>" for name, rows in tables if rows)
 
 

@@ -9,19 +9,27 @@ import numpy as np
 
 from ...arrays import Array
 from ...descriptions.scene import Body
-from ...descriptions.shapes import Box, Capsule, Cylinder, Sphere
+from ...descriptions.shapes import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Sphere
 from ...errors import InputError
 from ...geometry.shapes import surface_of
-from .variant import SMALL, Failure, Variant, place
+from .variant import SMALL, Change, Failure, Variant, place
+
+REFUSED = "objects.shape"
+"""Key of the refusal of an object that the jaw is too narrow for."""
 
 
-def jaws(failure: Failure) -> Iterator[Variant]:
-    """Yield wider jaws, as an object that is so much narrower between its desired contacts."""
+def jaws(failure: Failure) -> Iterator[Change]:
+    """Yield a wider jaw, as an object that is so much narrower between its desired contacts.
+
+    Contacts that are proposed fit the jaw: without desired ones only an object that is refused needs a wider one.
+    """
     task, body = failure.task, failure.target
+    if task.desired_contacts is None and REFUSED not in failure.kinds:
+        return
     points = np.array(task.desired_contacts or ()).reshape(-1, 3)
     if len(points) not in (0, 2):
         return
-    normals = surface_of(body.shape).signed_distance(points)[1]
+    normals = surface_of(body.shape).signed_distance(points)[1] if len(points) else points
 
     def changes(size: float) -> Mapping[str, Any]:
         shape = _narrower(body, normals, size)
@@ -34,11 +42,16 @@ def jaws(failure: Failure) -> Iterator[Variant]:
     def text(size: float) -> str:
         return f"a jaw that opens {1e3 * size:.1f} mm wider, or {task.object!r} narrower by as much"
 
-    yield Variant("jaw", "m", 1e-4, changes, lambda size: size, text, SMALL)
+    def tried(size: float) -> str:
+        return f"a jaw that opens up to {1e3 * size:.1f} mm wider, or {task.object!r} narrower by as much"
+
+    yield Change("jaw", "m", 1e-4, SMALL, (Variant(changes, lambda size: size, text),), tried)
 
 
 def _narrower(body: Body, normals: Array, size: float) -> Mapping[str, Any]:
     """Return the shape of a body that is narrower across the normals, or where it is narrowest, as JSON data.
+
+    A mesh is made smaller as a whole.
 
     Raises:
         InputError: there is no such shape.
@@ -50,6 +63,15 @@ def _narrower(body: Body, normals: Array, size: float) -> Mapping[str, Any]:
         case Box():
             axis = int(np.abs(normals[0]).argmax()) if len(normals) else int(np.argmin(shape.size))
             changed = {"size": tuple(s - size * (i == axis) for i, s in enumerate(shape.size))}
+        case Ellipsoid():
+            axis = int(np.abs(normals[0]).argmax()) if len(normals) else int(np.argmin(shape.semi_axes))
+            changed = {"semi_axes": tuple(s - 0.5 * size * (i == axis) for i, s in enumerate(shape.semi_axes))}
+        case Cone() if not len(normals):
+            radii = {"bottom_radius": shape.bottom_radius, "top_radius": shape.top_radius}
+            changed = {name: max(0.0, radius - 0.5 * size) for name, radius in radii.items()}
+        case Mesh() if not len(normals):
+            part = 1.0 - size / surface_of(shape).least_width
+            changed = {"scale": tuple(part * scale for scale in shape.scales)}
         case _:
             raise InputError(f"a shape of type {shape.type} is not made narrower")
     return shape.model_copy(update=changed).model_dump(mode="json", exclude_none=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,25 @@ import numpy as np
 from ...arrays import Array
 from ...descriptions.pose import Pose
 from ...descriptions.scene import Body
-from .variant import Failure, Variant, place
+from ...problem.overlaps import depth_in
+from .variant import Change, Failure, Variant, place
 
-LENGTHS = tuple(0.005 * 2.0**k for k in range(7))
-"""Sizes of moves that are tried, m."""
+LENGTHS = (0.08, 0.16, 0.04, 0.32, 0.02, 0.01, 0.005)
+"""Sizes of moves of the object that are tried, m: those that help most often first, and what helps is made smaller."""
+AWAY = (0.04, 0.16, 0.32)
+"""Sizes of moves of what is in its way, growing, m."""
+SHARE = 3.0
+"""Of the time for moves of the object: they help most often, and have the most ways."""
 NOWHERE = 1e-3
 """Length of a way that has no direction, m."""
+NEAR = 0.15
+"""From the object up to which a body may be in the way of the hand, m."""
+BODIES, DIRECTIONS = 3, 4
+"""Bodies in the way that are moved, at most, and directions of each."""
 
 
-def object_moves(failure: Failure) -> Iterator[Variant]:
-    """Yield moves of the object: to the pads of the nearest miss, along the axes, and towards the arm.
+def object_moves(failure: Failure) -> Iterator[Change]:
+    """Yield the moves of the object: to the pads of the nearest miss, along the axes, and towards the arm.
 
     Of the axes those come first that lead away from what is in the way.
     """
@@ -28,19 +38,25 @@ def object_moves(failure: Failure) -> Iterator[Variant]:
     if failure.nearest_miss is not None and "contact gap" in failure.kinds:
         pads = np.mean([contact.point for contact in failure.nearest_miss.contacts], axis=0)
         directions.insert(0, pads - _held_place(failure))
-    for direction in directions:
-        length = float(np.linalg.norm(direction))
-        if length > NOWHERE:
-            yield _move("move object", ("objects", name, "pose"), name, failure.target, direction / length)
+    yield replace(_moves("move object", "objects", name, failure.target, directions), sizes=LENGTHS, share=SHARE)
 
 
-def obstacle_moves(failure: Failure) -> Iterator[Variant]:
-    """Yield moves of the bodies that are in the way: along the axes, those away from the object first."""
+def obstacle_moves(failure: Failure) -> Iterator[Change]:
+    """Yield the moves of each of the bodies in the way: along the axes, those away from the object first.
+
+    Where it is not known what is in the way, it is what is nearest to the object.
+    """
     around, center = failure.scene.bodies_besides(failure.task), failure.target.pose.matrix[:3, 3]
-    for name in [name for name in failure.bodies if name in around][:2]:
-        table = "obstacles" if name in failure.scene.obstacles else "objects"
-        for direction in _axes(around[name].pose.matrix[:3, 3] - center)[:4]:
-            yield _move("move obstacle", (table, name, "pose"), name, around[name], direction)
+    named = [name for name in failure.bodies if name in around]
+    gaps = {name: -depth_in(failure.target, body) for name, body in around.items()}
+    near = sorted((name for name in gaps if gaps[name] <= NEAR), key=gaps.__getitem__)
+    for name in list(dict.fromkeys([*named, *near]))[:BODIES]:
+        obstacle = name in failure.scene.obstacles
+        without = failure.scene.without_obstacle(name) if obstacle else failure.scene.without_object(name)
+        directions = _axes(around[name].pose.matrix[:3, 3] - center)[:DIRECTIONS]
+        table = "obstacles" if obstacle else "objects"
+        found = _moves("move obstacle", table, name, around[name], directions)
+        yield replace(found, steady=True, without=without)
 
 
 def _axes(first: Array) -> list[Array]:
@@ -66,7 +82,16 @@ def _held_place(failure: Failure) -> Array:
     return np.asarray(T[:3, 3] if points is None else T[:3, :3] @ np.mean(points, axis=0) + T[:3, 3])
 
 
-def _move(kind: str, where: tuple[str, ...], name: str, body: Body, direction: Array) -> Variant:
+def _moves(kind: str, table: str, name: str, body: Body, directions: Sequence[Array]) -> Change:
+    """Return the moves of a body of a table of the scene along directions, but for those without a length."""
+    lengths = [float(np.linalg.norm(direction)) for direction in directions]
+    along = [way / length for way, length in zip(directions, lengths, strict=True) if length > NOWHERE]
+    variants = tuple(_move((table, name, "pose"), name, body, direction) for direction in along)
+    words = f"{name!r} moved along {len(along)} directions by up to"
+    return Change(kind, "m", 1e-3, AWAY, variants, lambda size: f"{words} {1e3 * size:.0f} mm")
+
+
+def _move(where: tuple[str, ...], name: str, body: Body, direction: Array) -> Variant:
     def changes(size: float) -> Mapping[str, Any]:
         T = body.pose.matrix.copy()
         T[:3, 3] += size * direction
@@ -75,7 +100,7 @@ def _move(kind: str, where: tuple[str, ...], name: str, body: Body, direction: A
     def text(size: float) -> str:
         return f"move {name!r} by {1e3 * size:.0f} mm along {_direction(direction)}"
 
-    return Variant(kind, "m", 1e-3, changes, lambda size: size, text, LENGTHS)
+    return Variant(changes, lambda size: size, text)
 
 
 def _direction(direction: Array) -> str:

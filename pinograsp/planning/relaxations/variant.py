@@ -1,4 +1,4 @@
-"""What is to be mended, and a change of one kind that has a size."""
+"""What is to be mended, and a change that has a size."""
 
 from __future__ import annotations
 
@@ -44,20 +44,36 @@ class Failure:
 
 @dataclass(frozen=True)
 class Variant:
-    """A change of one kind that has a size."""
+    """One of the ways to make a change."""
 
-    kind: str
-    unit: str
-    step: float
-    """To which sizes are rounded up."""
     changes: Callable[[float], Mapping[str, Any]]
     """Of a size: new values by place in the scene; an `InputError` where there is no such change."""
     amount: Callable[[float], float]
     """Of a size, as it is reported."""
     text: Callable[[float], str]
     """Of a size."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of one kind, which has a size, in one or several ways."""
+
+    kind: str
+    unit: str
+    step: float
+    """To which sizes are rounded up."""
     sizes: tuple[float, ...]
-    """That are tried, one after the other."""
+    """That are tried, in this order."""
+    variants: tuple[Variant, ...]
+    """The most promising first."""
+    tried: Callable[[float], str]
+    """What was tried up to a size, in words."""
+    steady: bool = False
+    """Whether what does not help does not help if it is smaller either."""
+    share: float = 1.0
+    """Of the time, compared with other changes."""
+    without: Scene | None = None
+    """A scene that asks for no more than every one of the changed ones; None: none is known."""
 
 
 def place(*keys: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .variant import Failure, Variant, place
+from .variant import Change, Failure, Variant, place
 
 LIGHTER = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
 """By how many parts of what is left the load is reduced: 1.0 leaves the half."""
@@ -16,8 +16,8 @@ DIGITS = 3
 """Of the load that is left."""
 
 
-def weights(failure: Failure) -> Iterator[Variant]:
-    """Yield smaller loads: the mass of the object, or the task's wrench."""
+def weights(failure: Failure) -> Iterator[Change]:
+    """Yield a smaller load: the mass of the object, or the task's wrench."""
     task, wrench = failure.task, failure.scene.wrench_of(failure.task)
     had = float(np.linalg.norm(wrench.force))
     if had == 0.0:
@@ -39,4 +39,7 @@ def weights(failure: Failure) -> Iterator[Variant]:
     def text(size: float) -> str:
         return f"a load of {left(size):.3g} N instead of {had:.3g} N"
 
-    yield Variant("weight", "N", 1e-3, changes, left, text, LIGHTER)
+    def tried(size: float) -> str:
+        return f"a load of down to {left(size):.3g} N"
+
+    yield Change("weight", "N", 1e-3, LIGHTER, (Variant(changes, left, text),), tried, True)
