@@ -311,6 +311,27 @@ def test_the_larger_part_of_the_unbalanced_wrench_is_named(grasp: Place, gen3: R
         assert balance.violations(state) == [Violation(name, pytest.approx(size * relative), unit, "", counts)]
 
 
+def sigmas_of(state: State) -> list[float]:
+    """Return (A1) to (A3) of all contacts, from forces, spin torques and normals, N."""
+    limits, claim = state.model.limits, claim_of(state)
+    found = []
+    pads = state.model.robot.description.pads
+    for pad, F, spin, normal in zip(pads, claim.forces, claim.spin_torques, state.grasp[1], strict=True):
+        radius = getattr(pad.contact, "torsion_radius", math.inf)
+        cone = math.cos(math.atan(limits.friction)) * math.hypot(*F, spin / radius)
+        pressing = float(F @ normal)
+        found += [cone - pressing, limits.minimum - pressing, math.hypot(*F) - limits.maximum]
+    return found
+
+
+def penalty(sigma: float, kappa: float) -> float:
+    """Return 1 / (2 sigma^2) below -kappa; above, the parabola that has its value and both its derivatives there."""
+    if sigma < -kappa:
+        return 0.5 / sigma**2
+    beyond = sigma + kappa
+    return 0.5 / kappa**2 + beyond / kappa**3 + 1.5 * beyond**2 / kappa**4
+
+
 @pytest.mark.parametrize(
     ("contact", "name"), [({"friction": 0.01}, "friction"), ({"friction": 50.0, "max_force": 0.9}, "force limit")]
 )
@@ -327,9 +348,11 @@ def test_forces_are_blamed_on_the_limit_that_they_break(
     certificate = Verifier(gen3.description, model.scene, "sphere").check(claim_of(state))
     [broken] = [figure for figure in certificate.refuted_by if figure.name in forces.figures]
     assert broken.name == name
-    # Both contacts share in V, with three terms each, which counts as that of the worst one: at most sqrt(6) of it.
-    excess = broken.value - broken.limit + model.limits.kappa
-    assert excess - 1e-3 <= violation.value <= math.sqrt(6.0) * excess + 1e-3
+    # One term alone that is as large as all of V together has its sigma so far above -kappa.
+    sigmas, kappa = sigmas_of(state), model.limits.kappa
+    whole = sum(penalty(sigma, kappa) for sigma in sigmas)
+    assert penalty(violation.value - kappa, kappa) == pytest.approx(whole, rel=1e-9)
+    assert broken.value - broken.limit == pytest.approx(max(sigmas), abs=1e-5)
     assert ContactForces(grasp.problem.model).violations(grasp.state)[0].value == 0.0
 
 

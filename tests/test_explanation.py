@@ -142,16 +142,19 @@ def test_what_is_beyond_the_arm_is_refused_with_how_far(toy: Robot, room: Scene)
     assert "towards the arm" in (error.remedy or "")
 
 
-def test_an_object_that_hangs_a_little_above_something_is_remarked_on(toy: Robot, room: Scene) -> None:
+def test_an_object_that_weighs_and_hangs_a_little_above_something_is_remarked_on(toy: Robot, room: Scene) -> None:
     def shelf(gap: float) -> Scene:
         below = Pose(position=(0.0, 0.0, 0.222 - 0.025 - gap - 0.001))
-        return room.with_obstacle("shelf", Body(shape=Box(size=(0.2, 0.2, 0.002)), pose=below))
+        return heavy.with_obstacle("shelf", Body(shape=Box(size=(0.2, 0.2, 0.002)), pose=below))
 
-    assert odd(toy, room) == ()  # nothing is near: something holds it that the scene leaves out
+    weighing = room.objects["ball"].model_copy(update={"mass": 0.2})
+    heavy = room.with_object("ball", weighing).with_task("ball", wrench=None)
+    assert odd(toy, heavy) == ()  # nothing is near: something holds it that the scene leaves out
     assert odd(toy, shelf(0.0)) == ()
     (warning,) = odd(toy, shelf(0.02))
     assert warning == "'ball' stands on nothing: it is 20.0 mm above 'shelf'"
     assert odd(toy, shelf(0.02).model_copy(update={"gravity": (0.0, 0.0, 0.0)})) == ()
+    assert odd(toy, shelf(0.02).with_task("ball", wrench={"force": (0.0, 0.0, -2.0)})) == ()  # held by what is not said
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ class _Search:
                 return found
         except TimeoutError:
             whole = False
-        text = change.tried(self._furthest)
+        text = change.tried(self._furthest or max(change.sizes))
         return Tried(change.kind, text, self._furthest, change.unit, whole, self._unsure)
 
     def _growing(self) -> Remedy | None:

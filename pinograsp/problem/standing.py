@@ -1,4 +1,9 @@
-"""Remark on an object that stands on nothing, though something is close below it."""
+"""Remark on an object that stands on nothing, though something is close below it.
+
+It is made where the load is the object's weight: what gravity acts on rests on something until it is grasped, and a gap
+says that its pose is wrong. A task that gives a wrench says itself what acts on its object, which may hang in the air:
+the paper's do by definition.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +30,7 @@ def check_standing(model: TaskModel) -> list[str]:
     """Return the remark, in words, that the object stands on nothing, though something is close below it."""
     scene, name = model.scene, model.task.object
     gravity = np.array(scene.gravity)
-    if not gravity.any():
+    if model.task.wrench is not None or not gravity.any():
         return []
     target, gaps = scene.objects[name], _gaps(model, scene.objects[name])
     if min(gaps.values()) <= TOUCHING:

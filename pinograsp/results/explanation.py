@@ -99,7 +99,10 @@ class Tried(Record):
     def ending(self) -> str:
         """What came of it, in words."""
         found = "too few starts verified" if self.unsure else "no grasp"
-        return found if self.whole else f"{found} when the time was over"
+        if self.whole:
+            return found
+        known = self.furthest > 0.0 or self.unsure
+        return f"{found} when the time was over" if known else "the time was over before it was known"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
