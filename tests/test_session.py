@@ -528,3 +528,44 @@ def test_claims_of_states_are_what_is_checked(planner: Planner, grasp: pinograsp
 
     claim = claim_of(_touching(model, np.concatenate([grasp.q_arm, grasp.synergy])))
     np.testing.assert_allclose(claim.points, [contact.point for contact in grasp.contacts], atol=2e-4)
+
+
+@pytest.mark.parametrize("desired", [False, True])
+def test_contacts_of_a_configuration_are_where_a_plan_would_have_them(
+    toy: Robot, make_toy_scene: SceneFactory, desired: bool
+) -> None:
+    """A box whose centre of mass is 4 mm beside the middle of the pads: two hard fingers hold it only beside it.
+
+    Flat pads touch the box everywhere, so that the posture alone does not say where contacts are.
+    """
+    sigma = (0.05 - 0.002) / 2.25
+    box = pinograsp.Object(
+        shape=pinograsp.Box(size=(0.05, 0.03, 0.03)),
+        pose=Pose(position=(-0.5 * (0.25 * sigma + 0.002), 0.0, 0.222)),
+        center_of_mass=(0.0, 0.004, 0.0),
+    )
+    points = [[0.025, 0.0, 0.0], [-0.025, 0.0, 0.0]] if desired else None
+    scene = make_toy_scene().with_object("ball", box).with_task("ball", desired_contacts=points)
+    result = pinograsp.plan(toy, scene, "ball", starts=6, workers=1)
+    assert result.best is not None
+    check = pinograsp.check(toy, scene, "ball", result.best.joints)
+    assert check.verified, check.certificate.refuted_by
+    for one, other in zip(check.grasp.contacts, result.best.contacts, strict=True):
+        assert one.point[1] == pytest.approx(0.004, abs=1e-6)
+        np.testing.assert_allclose(one.force, other.force, atol=0.3)
+    assert pytest.approx(result.best.cost.V, rel=0.05) == check.grasp.cost.V
+
+
+def test_contacts_stay_in_the_middle_where_nothing_holds_anyway(toy: Robot, make_toy_scene: SceneFactory) -> None:
+    """The centre of mass is 12 mm beside the middle of the pads, which reach 8 mm."""
+    sigma = (0.05 - 0.002) / 2.25
+    box = pinograsp.Object(
+        shape=pinograsp.Box(size=(0.05, 0.03, 0.03)),
+        pose=Pose(position=(-0.5 * (0.25 * sigma + 0.002), 0.0, 0.222)),
+        center_of_mass=(0.0, 0.012, 0.0),
+    )
+    scene = make_toy_scene().with_object("ball", box).with_task("ball", desired_contacts=None)
+    check = pinograsp.check(toy, scene, "ball", [0.0, sigma])
+    assert [figure.name for figure in check.certificate.refuted_by] == ["torque balance"]
+    for contact in check.grasp.contacts:
+        np.testing.assert_allclose(contact.point[1:], [0.0, 0.22], atol=1e-6)

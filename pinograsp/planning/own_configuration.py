@@ -9,23 +9,13 @@ import numpy as np
 
 from ..arrays import Array, Numbers, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
-from ..kinematics.contacts import contact_kinematics
-from ..kinematics.forward import forward
 from ..kinematics.robot import Robot
-from ..problem import DesiredPoints, GraspProblem, State, TaskModel
+from ..problem import TaskModel
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
-from ..solve.projection import nearest_assignment
 from ..verification.check import Verifier
 from .assemble import claim_of, exact, grasp_of
-
-STEPS = 20
-TOWARDS_DESIRED = 1e-3
-"""Weight of the desired points, which decide where a contact is that could be anywhere along a line.
-
-If the task has none, it is as near to the middle of its pad as it can.
-"""
-
+from .own_contacts import touching
 
 Configuration = Mapping[str, float] | Numbers
 """Values by the names of arm joints and synergies, or in their order, rad (m)."""
@@ -44,7 +34,7 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
         InputError: a value is missing, unknown or not finite.
     """
     posture, given = _posture(model.robot, q)
-    state = _touching(model, posture)
+    state = touching(model, posture)
     claim = claim_of(state)
     claim = replace(claim, joints={**claim.joints, **given})
     grasp = exact(grasp_of(None, state, claim, verifier.certify(claim)), model, verifier)
@@ -91,31 +81,3 @@ def _synergies(robot: Robot, joints: Mapping[str, float]) -> dict[str, float]:
     moved = np.array([joints[name] for name in names]) - robot.q_0[robot.hand_joints]
     sigma = np.linalg.lstsq(robot.synergies, moved, rcond=None)[0]
     return dict(zip(robot.posture_names[robot.arm_size :], sigma.tolist(), strict=True))
-
-
-def _touching(model: TaskModel, posture: Array) -> State:
-    """Return the state of a posture with contacts where pads and object are nearest to touching."""
-    # The whole pads: whether contacts keep a reserve from the rims is for the check to say.
-    size, (low, high) = model.robot.posture_size, model.robot.parameter_limits.T
-    x = np.concatenate([posture, 0.5 * (low + high)])
-    desired = _below_the_middles(model, x) if model.task.desired_contacts is None else None
-    problem = GraspProblem(model, tuple(range(len(model.robot.pads))), desired=desired)
-    problem = GraspProblem(model, nearest_assignment(model, problem.state(x), desired), desired=desired)
-    for _ in range(STEPS):
-        residual = problem.projection_residual(x, TOWARDS_DESIRED, 0.0)
-        J = residual.jacobian[:, size:]
-        step = np.linalg.lstsq(J, -residual.values, rcond=1e-9)[0]
-        moved = np.clip(x[size:] + step, low, high)
-        done = np.abs(moved - x[size:]).max() < 1e-12
-        x = np.concatenate([posture, moved])
-        if done:
-            break
-    return problem.state(x)
-
-
-def _below_the_middles(model: TaskModel, x: Array) -> DesiredPoints:
-    """Return the points of the object that are nearest to contacts at x, shape (v,)."""
-    robot, size = model.robot, model.robot.posture_size
-    points = contact_kinematics(forward(robot, robot.model.createData(), x[:size]), x[size:]).points
-    distances, normals, _ = model.object_surface(points)
-    return DesiredPoints(points - distances[:, None] * normals, np.zeros_like(points))

@@ -38,7 +38,10 @@ class Cause(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Remedy(Record):
-    """A change of the scene that makes the task work, no larger than it has to be, tried by planning again."""
+    """A change of the scene that makes the task work, tried by planning again.
+
+    It is no larger than it has to be, as far as the time allowed to find out.
+    """
 
     kind: str
     """Kind of the change: "move object", "move obstacle", "margin", "weight", "jaw", "region"."""
@@ -117,7 +120,7 @@ class Explanation(Record):
     """The posture that came nearest to a grasp, not verified: its certificate says what is lacking. `visualization`
     draws it like a grasp, what offends in red."""
     remedies: tuple[Remedy, ...] = ()
-    """Changes that were found to help, in the order of the causes that they answer; `explain` finds them."""
+    """Changes that were found to help, in the order in which they were; `explain` finds them."""
     tried: tuple[Tried, ...] = ()
     """Changes that were tried, and found not to help; `explain` tries them."""
     warnings: tuple[str, ...] = ()
