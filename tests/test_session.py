@@ -551,7 +551,7 @@ def test_contacts_of_a_configuration_are_where_a_plan_would_have_them(
     check = pinograsp.check(toy, scene, "ball", result.best.joints)
     assert check.verified, check.certificate.refuted_by
     for one, other in zip(check.grasp.contacts, result.best.contacts, strict=True):
-        assert one.point[1] == pytest.approx(0.004, abs=1e-6)
+        assert one.point[1] == pytest.approx(0.004, abs=5e-5)  # as far as the balance may be off
         np.testing.assert_allclose(one.force, other.force, atol=0.3)
     assert pytest.approx(result.best.cost.V, rel=0.05) == check.grasp.cost.V
 
@@ -566,6 +566,6 @@ def test_contacts_stay_in_the_middle_where_nothing_holds_anyway(toy: Robot, make
     )
     scene = make_toy_scene().with_object("ball", box).with_task("ball", desired_contacts=None)
     check = pinograsp.check(toy, scene, "ball", [0.0, sigma])
-    assert [figure.name for figure in check.certificate.refuted_by] == ["torque balance"]
+    assert [figure.name for figure in check.certificate.refuted_by] == ["force balance", "torque balance"]
     for contact in check.grasp.contacts:
         np.testing.assert_allclose(contact.point[1:], [0.0, 0.22], atol=1e-6)

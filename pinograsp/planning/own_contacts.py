@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Array
 from ..kinematics.contacts import contact_kinematics
 from ..kinematics.forward import forward
-from ..problem import CONSTRAINTS, Constraint, DesiredPoints, GraspProblem, State, TaskModel
+from ..problem import CONSTRAINTS, Constraint, DesiredPoints, Evaluation, GraspProblem, State, TaskModel
+from ..problem.constraint import PER_METRE
 from ..problem.constraints.approach import approach
 from ..problem.constraints.clearance import Clearance
 from ..problem.constraints.joint_limits import joint_limits
@@ -28,6 +29,10 @@ If the task has none, it is as near to the middle of its pad as it can.
 """
 OF_POSTURES: Sequence[Callable[[TaskModel], Constraint | None]] = (approach, joint_limits, Clearance, object_clearance)
 """Constraints that are the same wherever contacts are."""
+ALL_BUT_PARALLEL = 0.01
+"""Angle between faces up to which a contact may go along them, rad."""
+ROUNDED = 10.0
+"""Scaled violation up to which a posture keeps the constraints, in parts of the solver's tolerance: as of a solve."""
 EVALUATIONS = 60
 """Of the search for contacts whose forces are within their limits, at most."""
 
@@ -44,19 +49,33 @@ def touching(model: TaskModel, posture: Array) -> State:
         posture: (q_a, sigma), rad (m), shape (l + s,).
     """
     state, problem = _nearest(model, posture)
-    asked = [make for make in CONSTRAINTS if make not in OF_POSTURES]
-    chosen = GraspProblem(model, problem.assignment, asked, desired=_desired(model, state.x))
-    own = slice(model.robot.posture_size)
-    chosen.lower[own] = chosen.upper[own] = posture
-    chosen.free = chosen.lower < chosen.upper
-    options = SolverOptions()
-    recorder = Recorder(chosen, options.tolerance)
+    chosen, options = _Contacts(model, problem.assignment, state), SolverOptions()
+    recorder = Recorder(chosen, ROUNDED * options.tolerance)
     x = np.clip(state.x, chosen.lower, chosen.upper)
-    if recorder.at(x).violation <= options.tolerance or not chosen.free.any():
+    if recorder.at(x).violation <= recorder.tolerance or not chosen.free.any():
         return state
     backend = backend_of(options.algorithm)
-    backend.solve(program_from(recorder, x), limits(options, EVALUATIONS))
+    backend.solve(program_from(recorder, x), limits(options, EVALUATIONS, 1.0))
     return problem.state(recorder.best.x) if recorder.best is not None and recorder.feasible else state
+
+
+class _Contacts(GraspProblem):
+    """The problem of where contacts are, at the posture of a state."""
+
+    def __init__(self, model: TaskModel, assignment: tuple[int, ...], state: State) -> None:
+        asked = [make for make in CONSTRAINTS if make not in OF_POSTURES]
+        super().__init__(model, assignment, asked, desired=_desired(model, state.x))
+        own = slice(model.robot.posture_size)
+        self.lower[own] = self.upper[own] = state.x[own]
+        self.free = self.lower < self.upper
+
+    def equality_basis(self, near: Evaluation) -> Array:
+        """Return combinations of the equalities that contacts can do something about.
+
+        A gap between faces that are all but parallel changes so little that contacts would go far for its rounding.
+        """
+        rows, sizes, _ = np.linalg.svd(near.equalities.jacobian[:, self.free], full_matrices=False)
+        return np.asarray(rows[:, sizes > ALL_BUT_PARALLEL * PER_METRE].T)
 
 
 def _nearest(model: TaskModel, posture: Array) -> tuple[State, GraspProblem]:

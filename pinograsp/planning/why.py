@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
 from ..database.store import Database
 from ..descriptions import Scene
 from ..errors import TaskError
@@ -77,11 +79,12 @@ def explained(
         try:
             end = time.perf_counter() + deadline
             trials = Trials(robot, database(), task, options, seed, end, proposed())
-            for outcome in remedies(failure, trials, report):  # kept one by one, so that an end loses none
-                if isinstance(outcome, Remedy):
-                    kept.append(outcome)
-                else:
-                    tried.append(outcome)
+            with threadpool_limits(1):  # of BLAS, as in workers
+                for outcome in remedies(failure, trials, report):  # kept one by one, so that an end loses none
+                    if isinstance(outcome, Remedy):
+                        kept.append(outcome)
+                    else:
+                        tried.append(outcome)
         except KeyboardInterrupt:
             taken()
             ended = True
