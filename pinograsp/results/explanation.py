@@ -88,7 +88,7 @@ class Tried(Record):
     kind: str
     """Kind of the change, as of a `Remedy`."""
     text: str
-    """What was tried, in words, with figures and units: how far."""
+    """The change in words, with figures and units: how far it was tried."""
     furthest: float
     """Size up to which it was tried, in `unit`; of a load, how many parts of what is left are taken away."""
     unit: str
@@ -100,7 +100,7 @@ class Tried(Record):
 
     @property
     def ending(self) -> str:
-        """What came of it, in words."""
+        """The outcome in words."""
         found = "too few starts verified" if self.unsure else "no grasp"
         if self.whole:
             return found
