@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import select
 import signal
@@ -18,6 +19,7 @@ TICK = 0.1
 """Seconds after which memory and time of a child are looked at again."""
 BATCH = 200
 """Inputs of one child: it is forked from a process that has loaded everything and opened nothing."""
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
 Work = Callable[[range, int], None]
 """Runs inputs, and writes to a pipe `<number> begun`, then `<number> <outcome>`, a line each."""
 
@@ -28,6 +30,13 @@ def resident(process: int) -> int:
         return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
     except (OSError, IndexError):
         return 0
+
+
+def end_with_parent(parent: int) -> None:
+    """Have this process killed as soon as its parent has ended, however that ends."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
 
 
 def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str]]:
@@ -43,10 +52,11 @@ def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str
     """
     while numbers:
         read, write = os.pipe()
-        base = resident(os.getpid())
+        parent = os.getpid()
+        base = resident(parent)
         if (process := os.fork()) == 0:
             os.close(read)
-            _end(work, numbers[:BATCH], write, log)
+            _end(parent, work, numbers[:BATCH], write, log)
         os.close(write)
         last, begun, over = numbers.start - 1, None, None
         try:
@@ -73,9 +83,10 @@ def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str
         numbers = range(last + 1, numbers.stop)
 
 
-def _end(work: Work, numbers: range, pipe: int, log: Path) -> None:
+def _end(parent: int, work: Work, numbers: range, pipe: int, log: Path) -> None:
     code = 1
     try:
+        end_with_parent(parent)
         work(numbers, pipe)
         code = 0
     except BaseException:
