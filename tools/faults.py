@@ -13,6 +13,7 @@ to mount a tmpfs, and are left out without it.
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -38,6 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--commands", nargs="+", choices=COMMANDS, default=COMMANDS, help="of signals and workers")
     parser.add_argument("--processes", type=int, default=2, help="workers of a command")
     given = parser.parse_args(arguments)
+    # In the background of a shell Ctrl-C is ignored, and commands would inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tempfile.TemporaryDirectory(prefix="faults-") as name:
         folder = Path(name)
         folder.chmod(0o755)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from faults_machine import (
+    LONG,
     NOBODY,
     PLAN,
     WrongError,
@@ -77,7 +78,7 @@ def folders(faults: Faults) -> None:
 def _plans_without(
     faults: Faults, folder: Path, named: str, environment: Mapping[str, str | None], **streams: Any
 ) -> None:
-    done = faults.machine.run(folder, *PLAN, environment=environment, **streams).require(0)
+    done = faults.machine.run(folder, *PLAN, environment=environment, most=LONG, **streams).require(0)
     check_plan(folder, done, None, faults.subjects["plan"].whole)
     warned = [line for line in done.errors.splitlines() if "PINOGRASP_CACHE" in line]
     if named and (len(warned) != 1 or named not in warned[0]):

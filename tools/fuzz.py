@@ -5,7 +5,7 @@
 
 Each input is made from its kind, the seed and its number alone (`fuzz_kinds`). It may be refused by a `PinograspError`
 or be used; a failure is a traceback, a command that ends otherwise than with one line of error, a signal, more than
-20 s, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in
+20 s of the processor, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in
 the folder `--out`, each with the input and what happened. A run that was interrupted goes on with the same command;
 remove the folder to begin anew after a change of the code.
 """

@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 SECONDS = 20.0
-"""Longest time of an input."""
+"""Longest time of an input, of the processor: how busy the machine is does not count."""
+STILL = 10.0 * SECONDS
+"""Longest time of an input by the clock."""
 MEMORY = 2**30
 """Most memory of an input, bytes, beyond what was there when all libraries were loaded."""
 TICK = 0.1
@@ -37,6 +39,15 @@ def end_with_parent(parent: int) -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
+
+
+def worked(process: int) -> float:
+    """Return how long a process has had the processor, seconds; 0 of one that has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")  # utime and stime, see proc(5)
+    except (OSError, IndexError):
+        return 0.0
 
 
 def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str]]:
@@ -97,16 +108,20 @@ def _end(parent: int, work: Work, numbers: range, pipe: int, log: Path) -> None:
 
 def _lines(pipe: int, process: int, most: int) -> Iterator[str]:
     """Yield the lines of a child; it is killed if it says nothing for too long or grows, and the last line says so."""
-    left, heard = "", time.monotonic()
+    left, heard, before = "", time.monotonic(), 0.0
     with os.fdopen(pipe, "rb", buffering=0) as stream:
         while True:
             if select.select([pipe], [], [], TICK)[0]:
                 if not (text := stream.read(2**16)):
                     return
-                heard = time.monotonic()
+                heard, before = time.monotonic(), worked(process)
                 *lines, left = (left + text.decode()).split("\n")
                 yield from lines
-            over = "memory" if resident(process) > most else "time" if time.monotonic() - heard > SECONDS else None
+            over = None
+            if resident(process) > most:
+                over = "memory"
+            elif worked(process) - before > SECONDS or time.monotonic() - heard > STILL:
+                over = "time"
             if over is not None:
                 os.kill(process, signal.SIGKILL)
                 yield over
