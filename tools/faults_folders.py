@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -64,7 +63,7 @@ def folders(faults: Faults) -> None:
         "HOME is nothing": ("", {}),
         "HOME is no folder": ("/dev/null/nobody", {}),
     }
-    if os.geteuid() == 0:
+    if _nobody_runs_python():
         homes["HOME is not set, nor is the user known"] = (None, {"user": NOBODY})
     for said, (home, streams) in homes.items():
         with faults.row(said, "plan") as outcomes, faults.judged(outcomes, said):
@@ -106,6 +105,15 @@ def _mounted(folder: Path, options: str) -> Iterator[Path]:
         yield place
     finally:
         subprocess.run(["umount", place], check=True)
+
+
+def _nobody_runs_python() -> bool:
+    """Whether a command can be run as a user of whom the system knows nothing."""
+    try:
+        return subprocess.run([sys.executable, "-c", "import pinograsp"], user=NOBODY).returncode == 0
+    except OSError as error:
+        print(f"no unknown user may run Python: {error}", file=sys.stderr)
+        return False
 
 
 def _may_mount(folder: Path) -> bool:

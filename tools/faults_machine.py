@@ -26,7 +26,7 @@ NAME = "glovebox_sphere_gen3_2f85"
 PLAN = ("plan", "glovebox", "--task", "sphere", "--starts", STARTS)
 BUILD = ("database", "build", "rows.duckdb", "--scene", "glovebox", "--size", ROWS)
 REPORT = ("rank", "result.json", "--out", "out")
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
+SIGNALS = {number.name: number for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)}
 SAID = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 """Exit codes of commands that were asked to end."""
 NOBODY = 54321

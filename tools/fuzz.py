@@ -1,13 +1,13 @@
 """Damaged and hostile files of every kind, read in processes whose time and memory are limited.
 
     python tools/fuzz.py [--inputs 200000] [--seed 0] [--kind scene ...] [--out out/fuzz] [--workers 2] [--every 5000]
-    python tools/fuzz.py --again out/fuzz/scene-0-17 [--minimise]
+    python tools/fuzz.py --again out/fuzz/scene-0-17 ... [--minimise]
 
 Each input is made from its kind, the seed and its number alone (`fuzz_kinds`). It may be refused by a `PinograspError`
 or be used; a failure is a traceback, a command that ends otherwise than with one line of error, a signal, more than
-20 s of the processor, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so. Failures stay in
-the folder `--out`, each with the input and what happened. A run that was interrupted goes on with the same command;
-remove the folder to begin anew after a change of the code.
+20 s of the processor, more than 1 GB, a file outside its folder, or a number that is not finite where nothing says so.
+Failures stay in the folder `--out`, each with the input and what happened. A run that was interrupted goes on with the
+same command; remove the folder to begin anew after a change of the code.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="folder of the failures")
     parser.add_argument("--workers", type=int, default=1, help="processes at once")
     parser.add_argument("--every", type=int, default=5000, help="inputs after which the table is printed")
-    parser.add_argument("--again", type=Path, metavar="FOLDER", help="run a saved input instead")
-    parser.add_argument("--minimise", action="store_true", help="make the largest file of the saved input smaller")
+    parser.add_argument("--again", type=Path, nargs="+", metavar="FOLDER", help="run saved inputs instead")
+    parser.add_argument("--minimise", action="store_true", help="make the largest file of each saved input smaller")
     options = parser.parse_args()
     if options.again is not None:
-        _run_again(options.again.resolve(), options.minimise)
+        _run_again([folder.resolve() for folder in options.again], options.minimise)
         return
     signal.signal(signal.SIGINT, _interrupt)  # in the background of a shell it would be ignored
     signal.signal(signal.SIGTERM, _interrupt)
@@ -58,14 +58,15 @@ def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt(number)
 
 
-def _run_again(folder: Path, minimise: bool) -> None:
+def _run_again(folders: list[Path], minimise: bool) -> None:
     with tempfile.TemporaryDirectory() as sound:
         warm(Path(sound))
-    if minimise:
-        inputs = [file for file in folder.iterdir() if file.is_file() and file.name != "failure.txt"]
-        minimised(folder, max(inputs, key=lambda file: file.stat().st_size))
-    with tempfile.TemporaryDirectory() as name:
-        print(again(folder, Path(name)))
+    for folder in folders:
+        if minimise:
+            inputs = [file for file in folder.iterdir() if file.is_file() and file.name != "failure.txt"]
+            minimised(folder, max(inputs, key=lambda file: file.stat().st_size))
+        with tempfile.TemporaryDirectory() as name:
+            print(f"{folder.name}: {again(folder, Path(name))}")
 
 
 if __name__ == "__main__":

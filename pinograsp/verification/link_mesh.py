@@ -68,8 +68,10 @@ class LinkMesh:
         normals, offsets = self.hull_faces
         low, high = self.hull.min(axis=0), self.hull.max(axis=0)
         near = points[((points >= low) & (points <= high)).all(axis=1)]
-        candidates = near[(near @ normals.T <= offsets).all(axis=1)]
-        return bool(len(candidates)) and bool((np.abs(self._winding.winding_number(candidates)) > 0.5).any())
+        if not len(near):
+            return False
+        wound = near[np.abs(self._winding.winding_number(near)) > 0.5]  # of few points the whole hull is looked at
+        return bool((wound @ normals.T <= offsets).all(axis=1).any())
 
     def opened(self, vertices: Array, faces: Integers) -> LinkMesh:
         """Return triangles that were cut out of the mesh; cut open, they enclose nothing.
