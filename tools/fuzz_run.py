@@ -114,15 +114,20 @@ def _batch(kind: str, begin: int, end: int, seed: int, scratch: Path, out: Path)
         if outcome not in OUTCOMES:
             name = f"{kind}-{seed}-{number}"
             shutil.copytree(home / name, out / name, dirs_exist_ok=True)
+            if (log := _log_of(home)).exists():
+                shutil.move(log, out / name / "failure.txt")
     shutil.rmtree(home)
     return kind, begin, end, outcomes
 
 
 def run(kind: str, seed: int, numbers: range, home: Path) -> Iterator[tuple[int, str]]:
     """Yield what comes of inputs of a kind, by number."""
-    yield from supervised(
-        lambda some, pipe: _child(kind, seed, some, home, pipe), numbers, home.parent / f"{home.name}.log"
-    )
+    yield from supervised(lambda some, pipe: _child(kind, seed, some, home, pipe), numbers, _log_of(home))
+
+
+def _log_of(home: Path) -> Path:
+    """Return the file in which a child says what is wrong with itself."""
+    return home.parent / f"{home.name}.log"
 
 
 def _child(kind: str, seed: int, numbers: range, home: Path, pipe: int) -> None:

@@ -166,7 +166,7 @@ def _schema_of(model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
-    """Return the keys that the block at `path` may have."""
+    """Return the keys that the block at `path` may have; none of a block that cannot be there."""
     schema = _schema_of(model)
 
     def meant(block: dict[str, Any]) -> dict[str, Any]:
@@ -181,6 +181,8 @@ def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
     block = meant(schema)
     for part in path:
         if "discriminator" in block:
+            if part not in block["discriminator"]["mapping"]:  # what cannot be there, as a compound in a compound
+                return []
             block = {"$ref": block["discriminator"]["mapping"][part]}
         elif isinstance(part, int):
             block = block["items"]

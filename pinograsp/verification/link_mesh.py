@@ -15,6 +15,8 @@ from ..arrays import Array, Integers
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
+NOTHING = (np.zeros((1, 3)), np.array([-1.0]))
+"""Planes of a hull inside of which nothing is."""
 VERSION = 2
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
 
@@ -89,7 +91,7 @@ class LinkMesh:
             vertices=corners,
             faces=numbers.reshape(-1, 3).astype(np.int64),
             hull=hull_corners(corners),
-            hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
+            hull_faces=NOTHING,
             members=corners[:1],
             radius=float(np.linalg.norm(corners - self.center, axis=1).max()),
         )

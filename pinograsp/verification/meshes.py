@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from scipy.spatial import QhullError
 
 from ..arrays import Array
 from ..descriptions.composition import Composition
 from ..descriptions.mesh_files import mesh_bytes
 from ..descriptions.obj_indices import counted_from_first
 from ..errors import FileError, InputError
-from .link_mesh import LinkMesh, kept_mesh
+from .link_mesh import NOTHING, LinkMesh, kept_mesh
 
 _SECTIONS = 128
 
@@ -118,16 +119,20 @@ def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:
     mesh = trimesh.util.concatenate(parts)
     vertices = np.array(mesh.vertices, dtype=np.float64)
     faces = np.array(mesh.faces, dtype=np.int64)
-    hull = mesh.convex_hull
-    corners = np.array(hull.vertices, dtype=np.float64)
-    normals = np.array(hull.face_normals, dtype=np.float64)
+    try:
+        hull = mesh.convex_hull
+        normals = np.array(hull.face_normals, dtype=np.float64)
+        corners, planes = hull.vertices, (normals, np.einsum("ij,ij->i", normals, hull.triangles_center))
+    except QhullError:  # a sheet: both of its sides are outside
+        corners, planes = vertices, NOTHING
+    corners = np.array(corners, dtype=np.float64)
     center = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return LinkMesh(
         link=link,
         vertices=vertices,
         faces=faces,
         hull=corners,
-        hull_faces=(normals, np.einsum("ij,ij->i", normals, hull.triangles_center)),
+        hull_faces=planes,
         members=_members(mesh),
         center=center,
         radius=float(np.linalg.norm(corners - center, axis=1).max()),
