@@ -17,6 +17,7 @@ from conftest import Run
 
 import pinograsp
 from pinograsp.cli.folders import file_name
+from pinograsp.database import cache
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.interrupts import held, watched
 from pinograsp.planning import session
@@ -254,7 +255,8 @@ def test_a_name_of_the_longest_can_be_written(planned: pinograsp.Result, tmp_pat
     assert file.exists()
 
 
-def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path) -> None:
+def test_task_without_solution_says_what_blocked_it(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cache, "SIZE", 2000)  # of a database of its own, for margins that no other plan has
     # Fingers 50 mm above the floor cannot hold a sphere whose equator is 37 mm above it.
     (tmp_path / "scene.yaml").write_text(changed(SCENE, "{enclosure: 0.005", "{enclosure: 0.05"))
     code, output, errors = run("plan", "scene.yaml", "--task", "sphere", "--starts", 4, "--workers", 1)

@@ -7,6 +7,7 @@ compiled functions and read constants of its own file only, and these constants 
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -98,7 +99,7 @@ def test_compiled_is_what_the_source_says() -> None:
     fast, slow = (
         subprocess.run(
             [sys.executable, "-c", INTERPRETED],
-            env={"PATH": "", "NUMBA_DISABLE_JIT": off, "HOME": str(Path.home())},
+            env={"PATH": "", "NUMBA_DISABLE_JIT": off, "PINOGRASP_CACHE": os.environ["PINOGRASP_CACHE"]},
             capture_output=True,
             text=True,
             check=True,

@@ -25,6 +25,7 @@ from pinograsp.cli.database import configurations_table
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.world import CLEARANCES
+from pinograsp.database import build, sampling
 from pinograsp.database import cache as cache_module
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
@@ -89,6 +90,25 @@ def test_another_seed_gives_other_rows(small: Path, gen3: Any, glovebox: Any, tm
     rows = [set(zip(*(table[f"q{i}"] for i in range(1, 8)), strict=True)) for table in (ours, others)]
     assert len(rows[1]) > 1000
     assert not rows[0] & rows[1]
+
+
+@pytest.mark.parametrize(("size", "batches"), [(100, 1), (1000, 1), (2000, 2)])
+def test_few_rows_take_few_batches(
+    size: int, batches: int, gen3: Any, glovebox: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of batches of 16,384 samples, of which some 1,150 are free."""
+    for module in (build, sampling):
+        monkeypatch.setattr(module, "DRAWS", 16_384)
+    drawn, draw = [], sampling.BatchSampler.__call__
+
+    def counted(self: sampling.BatchSampler, number: int) -> sampling.Batch:
+        drawn.append(number)
+        return draw(self, number)
+
+    monkeypatch.setattr(sampling.BatchSampler, "__call__", counted)
+    with build_database(gen3, glovebox, tmp_path / "few.duckdb", size=size, workers=1) as database:
+        assert database.rows() >= size
+    assert drawn == list(range(batches))
 
 
 def test_killed_at_any_moment_and_resumed_gives_the_same_rows(gen3: Any, glovebox: Any, tmp_path: Path) -> None:

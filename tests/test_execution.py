@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from pinograsp import Robot, SolverOptions
 from pinograsp.descriptions import Scene
@@ -91,6 +92,25 @@ def test_every_item_has_its_outcome(count: int) -> None:
     with own_workers(count) as workers:
         assert sorted(workers.run(squares, ITEMS, chunk=3)) == SQUARES
         assert list(workers.run(squares, [])) == []
+
+
+def blas_threads(*_: object) -> set[int]:
+    """Return the numbers of threads that the libraries of linear algebra use now."""
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def counting_threads() -> Callable[[int], tuple[set[int], set[int]]]:
+    prepared = blas_threads()
+    return lambda item: (prepared, blas_threads())
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_blas_has_one_thread_where_items_are_handled(count: int) -> None:
+    """With any number of workers: sums have the same order, and threads do not wait for each other."""
+    with threadpool_limits(2), own_workers(count) as workers:
+        for outcome in workers.run(counting_threads, range(3), chunk=1):
+            assert outcome == ({1}, {1})
+            assert blas_threads() == {2}  # of whoever consumes the outcomes
 
 
 def test_handlers_stay_warm_and_so_do_processes(tmp_path: Path) -> None:

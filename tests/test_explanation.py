@@ -28,6 +28,7 @@ from pinograsp import (
     Sphere,
     TaskError,
 )
+from pinograsp.database import cache
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, carried, greatest_force, greatest_force_parallel
 from pinograsp.planning.relaxations import Failure, grown, place
@@ -192,7 +193,10 @@ def test_the_remedy_of_a_margin_that_leaves_no_room_is_a_smaller_one(toy: Robot,
     assert pinograsp.plan(toy, changed, "ball", starts=6, seed=5, workers=1).verified
 
 
-def test_the_remedy_of_an_object_in_an_obstacle_is_to_move_it_out(toy: Robot, room: Scene) -> None:
+def test_the_remedy_of_an_object_in_an_obstacle_is_to_move_it_out(
+    toy: Robot, room: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "SIZE", 4000)  # of databases of its own, one for each place of the obstacle
     front = Body(shape=Box(size=(0.3, 0.02, 0.2)), pose=Pose(position=(0.0, -0.0235, 0.222)))
     scene = room.with_obstacle("front", front)
     failure = Failure(scene, "ball", np.zeros(3), ("front",), ("objects.pose",))

@@ -18,7 +18,7 @@ from pinograsp.descriptions.scene import Body
 from pinograsp.verification.footprint import footprint, thinned
 from pinograsp.verification.patches import contact_face, rim_distance
 from pinograsp.verification.region_depth import RESOLUTION, least_depth
-from pinograsp.verification.regions import depth
+from pinograsp.verification.regions import depths
 from pinograsp.verification.shapes import PlacedShape
 
 Array = NDArray[np.float64]
@@ -193,7 +193,7 @@ def test_least_depth_of_a_triangle(region: dict[str, Any], seed: int) -> None:
     read, rng = READ.validate_python(region), np.random.default_rng(seed)
     corners = rng.uniform(-0.05, 0.05, (3, 3))
     shares = np.array([(i, j, 30 - i - j) for i in range(31) for j in range(31 - i)]) / 30
-    sampled = min(depth(read, point) for point in shares @ corners)
+    sampled = depths(read, shares @ corners).min()
     spacing = max(float(np.linalg.norm(corners[i] - corners[i - 1])) for i in range(3)) / 30
     assert sampled - 3.5 * spacing - RESOLUTION <= least_depth(read, corners) <= sampled + 1e-12
 
@@ -206,7 +206,7 @@ def test_least_depth_is_that_of_the_least_deep_point(region: dict[str, Any], see
     corners = rng.uniform(-0.05, 0.05, (2, 3))
     found = least_depth(read, corners)
     shares = np.linspace(0.0, 1.0, 1001)[:, None]
-    sampled = min(depth(read, point) for point in corners[0] + shares * (corners[1] - corners[0]))
+    sampled = depths(read, corners[0] + shares * (corners[1] - corners[0])).min()
     spacing = float(np.linalg.norm(corners[1] - corners[0])) / 1000
     assert sampled - 3.5 * spacing - RESOLUTION <= found <= sampled + 1e-12
 
@@ -237,7 +237,7 @@ def test_a_sector_is_left_in_the_middle_of_a_face() -> None:
     """The corners of a face are outside of a narrow forbidden sector, the middle is not."""
     face = np.array([[0.05, y, z] for y, z in ((-0.02, -0.1), (0.02, -0.1), (0.02, 0.1), (-0.02, 0.1))])
     narrow = READ.validate_python({"type": "outside", "part": {"type": "sector", "middle": 0.0, "half_width": 0.1}})
-    assert min(depth(narrow, corner) for corner in face) > 0.01
+    assert depths(narrow, face).min() > 0.01
     assert -0.1 * 0.05 - 1e-5 <= least_depth(narrow, face) <= -0.1 * 0.05 + 1e-6
 
 

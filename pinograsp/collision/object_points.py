@@ -22,68 +22,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
-import coal
 import numpy as np
 
-from ..arrays import Array, Mask
-from ..descriptions.patches import LinePatch, PlanePatch
-from ..geometry.hull_points import solid_points
-from ..geometry.hulls import Hull
-from ..geometry.patches import above, face_normal, face_point, face_ranges
-from ..geometry.point_trees import PointTrees, point_trees
-from ..geometry.primitives import primitive_triangles
+from ..arrays import Array
+from ..geometry.point_trees import PointTrees
 from ..geometry.shapes import UnevenSurface
 from ..kinematics.forward import Configuration
-from ..kinematics.robot import Pad, Robot
-from ..memo import remembered
+from ..kinematics.robot import Robot
 from .distances import REACH, Distances, distance_gradients
-from .pairs import PlacedSolid, pads_before
-from .solids import link_bodies
-from .world import Solid
+from .point_sets import PointSet, link_sets, pad_sets
 
-APART, FAR_APART = 0.001, 0.004
-"""How far points of a solid may be from the nearest of its points: of links that the hand moves or that carry it, and
-of the other links, m."""
-RUBBER, BACKED = 2.0, 0.0002
-"""Thickness of rubber, in parts of the depth by which it yields, and what its backing keeps from the object, m."""
-ROUNDED = 0.1
-"""How far vertices of a solid may stand out of the hull that has the points, in parts of how far these are apart."""
-HIDDEN = 1e-5
-"""How deep in another solid of its link a point must be to be left out, m."""
-PAD_SPACING = 0.002
-"""Between points of the face of a pad, m."""
-LID_SPACING = 0.0004
-"""Between points where rubber ends, at least, m; otherwise the depth by which it yields."""
-
-
-class Facets(NamedTuple):
-    """Facets of a convex solid, joint's frame."""
-
-    normals: Array
-    """Outward unit normals, shape (k, 3)."""
-    offsets: Array
-    """normal . p on the facets, m, shape (k,)."""
-
-
-class PointSet(NamedTuple):
-    """Points of a solid of a link, or of a part of a pad's face."""
-
-    link: str
-    joint: int
-    points: Array
-    """In the joint's frame, m, shape (n, 3)."""
-    pads: tuple[int, ...]
-    """Numbers of the pads whose surface bounds their solid."""
-    yields: bool
-    """Whether they belong to the rubber of these pads."""
-    apart: float
-    """Largest distance of a point of their hull from the nearest of them, m."""
-    within: float
-    """How far the solid may stand out of their hull, m."""
-    hull: Facets | None = None
-    """Of a convex solid that keeps off the object."""
+BACKED = 0.0002
+"""What the backing of rubber keeps from the object, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +85,7 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
         robot: mounted, with the pads that are to touch the object.
         margin: distance that solids are to keep, m.
     """
-    sets, trees = _link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    sets, trees = link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
     return ObjectPoints(
         robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees
     )
@@ -143,166 +94,15 @@ def link_points(robot: Robot, margin: float) -> ObjectPoints:
 def pad_points(robot: Robot) -> ObjectPoints:
     """Return the points of pads and of what is behind them.
 
-    Rubber, which is `RUBBER` times as thick as it yields, may press into an object by the depth by which it yields;
-    what backs it is off the object by a little, and so is the border of both within the link: a thin wall can pass
-    between all points of a face, and be out again on the other side of those that are in it. The face of a pad is in
-    four quarters, so that it is known on which sides it is too deep.
+    Rubber, which is `point_sets.RUBBER` times as thick as it yields, may press into an object by the depth by which it
+    yields; what backs it is off the object by a little, and so is the border of both within the link: a thin wall can
+    pass between all points of a face, and be out again on the other side of those that are in it. The face of a pad is
+    in four quarters, so that it is known on which sides it is too deep.
     """
     depths = [pad.description.rubber_depth for pad in robot.pads]
-    sets, trees = _pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
+    sets, trees = pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
     least = [
         -min(depths[pad] for pad in found.pads) if found.yields else math.hypot(BACKED, found.apart) + found.within
         for found in sets
     ]
     return ObjectPoints(robot, sets, np.array(least), trees)
-
-
-@remembered
-def _link_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    return _planted([found for found in _solid_sets(robot, pads) if not found.pads])
-
-
-@remembered
-def _pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    padded = robot.with_pads(pads)
-    faces = [quarter for number, pad in enumerate(padded.pads) for quarter in _quarters(number, pad)]
-    lids = [lid for number in range(len(pads)) if len((lid := _lid(padded, number)).points)]
-    return _planted([*faces, *lids, *(found for found in _solid_sets(robot, pads) if found.pads)])
-
-
-def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
-
-
-def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:
-    """Return the points of all solids of links that move, given an unmounted robot and the names of its pads."""
-    padded, sets = robot.with_pads(pads), []
-    for body in link_bodies(robot):
-        if robot.supports[body.joint].any():
-            near = _near_the_hand(robot, body.joint)
-            for number, solid in enumerate(body.solids):
-                behind = pads_before(padded, PlacedSolid(number, body, solid))
-                apart = APART if near else FAR_APART
-                points, within = _on_solid(robot, body.name, number, apart)
-                rubber = _in_rubber(padded, behind, points)
-                for yields in (True, False):
-                    some = points[rubber == yields]
-                    if len(some):
-                        facets = None if behind else _facets(solid, _hulls(robot, body.name)[number])
-                        sets.append(PointSet(body.name, body.joint, some, behind, yields, apart, within, facets))
-    return sets
-
-
-def _in_rubber(robot: Robot, pads: tuple[int, ...], points: Array) -> Mask:
-    """Return which points behind pads, joint's frame, shape (n, 3), belong to the rubber of one of them."""
-    inside = np.zeros(len(points), dtype=bool)
-    for pad in (robot.pads[number] for number in pads):
-        heights = above(pad.patch, (points - pad.translation) @ pad.rotation)
-        inside |= heights > -RUBBER * pad.description.rubber_depth
-    return inside
-
-
-def _near_the_hand(robot: Robot, joint: int) -> bool:
-    """Return whether a link moves with the wrist or with the hand."""
-    wrist = robot.model.frames[robot.wrist_frame].parentJoint
-    return bool((robot.supports[joint] >= robot.supports[wrist]).all())
-
-
-@remembered
-def _on_solid(robot: Robot, link: str, number: int, apart: float) -> tuple[Array, float]:
-    """Return points on a solid of a link, joint's frame, shape (n, 3), and how far it may stand out of their hull, m.
-
-    Those within another solid of the link are left out: that one has points farther out.
-    """
-    [body] = [body for body in link_bodies(robot) if body.name == link]
-    points, within = _on(body.solids[number], apart)
-    for i, (solid, hull) in enumerate(zip(body.solids, _hulls(robot, link), strict=True)):
-        if i != number and hull is not None:
-            R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
-            points = points[~hull.holds((points - origin) @ R, HIDDEN)]
-    return points, within
-
-
-def _in_link(robot: Robot, link: str, points: Array) -> Mask:
-    """Return which points, joint's frame, shape (n, 3), are in a solid of a link; all if one of these is round."""
-    [body] = [body for body in link_bodies(robot) if body.name == link]
-    inside = np.zeros(len(points), dtype=bool)
-    for solid, hull in zip(body.solids, _hulls(robot, link), strict=True):
-        R, origin = solid.placement[:3, :3], solid.placement[:3, 3]
-        inside |= True if hull is None else hull.holds((points - origin) @ R)
-    return inside
-
-
-def _facets(solid: Solid, hull: Hull | None) -> Facets | None:
-    if hull is None:
-        return None
-    normals = hull.normals @ solid.placement[:3, :3].T
-    return Facets(normals, hull.offsets + normals @ solid.placement[:3, 3])
-
-
-@remembered
-def _hulls(robot: Robot, link: str) -> list[Hull | None]:
-    """Return the hulls of the solids of a link, in their frames; None of those that are round."""
-    [body] = [body for body in link_bodies(robot) if body.name == link]
-    shapes = [solid.shape for solid in body.solids]
-    return [Hull(np.array(shape.points())) if isinstance(shape, coal.ConvexBase) else None for shape in shapes]
-
-
-def _on(solid: Solid, apart: float) -> tuple[Array, float]:
-    points, within = solid_points(_vertices(solid), apart, ROUNDED * apart)
-    return points @ solid.placement[:3, :3].T + solid.placement[:3, 3], within
-
-
-def _corners(solid: Solid) -> Array:
-    """Return the vertices of a solid, joint's frame, m, shape (n, 3)."""
-    return _vertices(solid) @ solid.placement[:3, :3].T + solid.placement[:3, 3]
-
-
-def _vertices(solid: Solid) -> Array:
-    """Return the vertices of a solid in its own frame, of a round one those of triangles on it, m, shape (n, 3)."""
-    shape = solid.shape
-    if isinstance(shape, coal.Sphere):
-        return primitive_triangles("sphere", (shape.radius,)).reshape(-1, 3)
-    if isinstance(shape, coal.Cylinder):
-        return primitive_triangles("cylinder", (shape.radius, 2.0 * shape.halfLength)).reshape(-1, 3)
-    return np.array(shape.points())
-
-
-def _quarters(number: int, pad: Pad) -> list[PointSet]:
-    """Return points of the four quarters of a pad's face."""
-    first, second = face_ranges(pad.patch)
-    found = []
-    for u in _halves(*first):
-        for v in _halves(*second):
-            grid = np.array([face_point(pad.patch, a, b) for a in u for b in v])
-            points = grid @ pad.rotation.T + pad.translation
-            found.append(PointSet(pad.description.link, pad.joint, points, (number,), True, 0.0, 0.0))
-    return found
-
-
-def _lid(robot: Robot, number: int) -> PointSet:
-    """Return points where the rubber below the face of a pad ends and its backing begins, within the link.
-
-    Rubber reaches as far as the link, beyond the rim of a flat face, too.
-    """
-    pad = robot.pads[number]
-    depth, spacing = pad.description.rubber_depth, max(pad.description.rubber_depth, LID_SPACING)
-    ranges = np.array(face_ranges(pad.patch))
-    if isinstance(pad.patch, PlanePatch | LinePatch):
-        [body] = [body for body in link_bodies(robot) if body.name == pad.description.link]
-        corners = (np.concatenate([_corners(solid) for solid in body.solids]) - pad.translation) @ pad.rotation
-        ranges[:, 0] = np.minimum(ranges[:, 0], corners.min(axis=0)[:2])
-        ranges[:, 1] = np.maximum(ranges[:, 1], corners.max(axis=0)[:2])
-    u, v = (np.linspace(low, high, 1 + math.ceil((high - low) * length / spacing)) for low, high, length in ranges)
-    face = np.array([face_point(pad.patch, a, b) for a in u for b in v])
-    outward = np.array([face_normal(pad.patch, a, b) for a in u for b in v])
-    points = (face - RUBBER * depth * outward) @ pad.rotation.T + pad.translation
-    beside = [i for i, other in enumerate(robot.pads) if other.description.link == pad.description.link and i != number]
-    points = points[~_in_rubber(robot, tuple(beside), points) & _in_link(robot.unmounted, pad.description.link, points)]
-    return PointSet(pad.description.link, pad.joint, points, (number,), False, spacing / math.sqrt(2.0), 0.0)
-
-
-def _halves(low: float, high: float, length: float) -> list[Array]:
-    """Return values from the lower end to the middle and from there to the upper end, at most `PAD_SPACING` apart."""
-    middle, count = 0.5 * (low + high), 1 + math.ceil(0.5 * (high - low) * length / PAD_SPACING)
-    return [np.linspace(low, middle, count), np.linspace(middle, high, count)]

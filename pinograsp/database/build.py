@@ -54,6 +54,8 @@ from .store import (
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
+_USUAL = 1 / 16
+"""Share of samples that are taken to be free before a batch has told."""
 
 
 def build_database(
@@ -195,7 +197,10 @@ def _missing_batches(path: Path, size: int) -> list[int]:
     mean = sum(accepted.values()) / len(accepted) if accepted else 0.0
     if len(accepted) >= HOPELESS and mean == 0.0:
         return []
-    likely = math.ceil(1.005 * size / mean) if mean else HOPELESS
+    if mean:
+        likely = math.ceil(1.005 * size / mean)
+    else:
+        likely = HOPELESS if accepted else min(math.ceil(size / (_USUAL * DRAWS)), HOPELESS)
     missing = [batch for batch in range(likely) if batch not in accepted]
     return missing or [max(accepted) + 1]
 

@@ -13,7 +13,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, Self, TypeVar
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from ..errors import WorkerLostError, whole_number
 from ..interrupts import forget, heard, held
@@ -61,7 +61,11 @@ class Workers(Protocol):
 
 
 class ThisProcess:
-    """No workers: items are handled here, one after the other. `lost` has no use, and nothing is pickled."""
+    """No workers: items are handled here, one after the other. `lost` has no use, and nothing is pickled.
+
+    As in processes of our own, BLAS has one thread meanwhile: the matrices are small, and on a busy machine several
+    threads wait for each other five times as long as they compute. Nor may sums depend on the number of threads.
+    """
 
     def begin(self) -> None:
         pass
@@ -73,10 +77,11 @@ class ThisProcess:
         chunk: int = 8,
         lost: Callable[[Item, str], Outcome] = refuse,
     ) -> Generator[Outcome]:
-        with heard():
+        with heard(), threadpool_limits(1):
             handle = prepare()
+        threads = ThreadpoolController()
         for item in items:
-            with heard():
+            with heard(), threads.limit(limits=1):
                 outcome = handle(item)
             yield outcome
 

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
-LOOSE = 0.1
-"""Part of its difference from the distance that is wanted by which one may be too large: exact where it counts."""
+LOOSE, LOOSER = 0.1, 10.0
+"""Part of its difference from the distance that is wanted by which one may be too large, and by how much this part
+grows with the difference, 1/m: exact where it counts."""
 _DEPTH = 64
 
 
@@ -220,7 +221,7 @@ def nearest_points(
 ) -> tuple[Array, Array]:
     """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
 
-    It may be too large by up to `LOOSE` of its difference from the least distance that is wanted.
+    It may be too large by up to LOOSE e + LOOSER e^2, with e its difference from the least distance that is wanted.
 
     Args:
         trees: the sets.
@@ -236,21 +237,20 @@ def nearest_points(
     for number in range(len(caps)):
         R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
         waiting[0], bounds[0] = trees.roots[number], -np.inf
-        count = 1
+        count, enough = 1, _near_enough(values[number], least[number])
         while count:
             count -= 1
-            if bounds[count] >= values[number] - LOOSE * abs(values[number] - least[number]):
+            if bounds[count] >= enough:
                 continue
             first, second = trees.parts[waiting[count], 0], trees.parts[waiting[count], 1]
             if second < 0:
                 for k in range(first, first - 1 - second):
                     x, y, z = _moved(R, t, trees.points[k])
-                    bound = _bound_at(known, x, y, z)
-                    if bound >= values[number] or not _covers(coarse, x, y, z):
+                    if _bound_at(known, x, y, z) >= enough or not _covers(coarse, x, y, z):
                         continue
                     value = _value_at(fine if _covers(fine, x, y, z) else coarse, x, y, z)
                     if value < values[number]:
-                        values[number] = value
+                        values[number], enough = value, _near_enough(value, least[number])
                         nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
                 continue
             x, y, z = _moved(R, t, trees.centers[first])
@@ -269,6 +269,13 @@ def nearest_points(
             waiting[count + 1], bounds[count + 1] = second, other
             count += 2
     return values, nearest
+
+
+@compiled
+def _near_enough(value: float, least: float) -> float:
+    """Return the distance below which a point is still looked for where one at a distance `value` is known, m."""
+    apart = abs(value - least)
+    return value - apart * (LOOSE + LOOSER * apart)
 
 
 @compiled

@@ -28,8 +28,10 @@ GHOST = 0.01
 """Part of the area that may enclose nothing, at creases and seams."""
 SAMPLES = 20_000
 """Triangles, evenly picked, at which that is asked."""
-STEPS = 6
+FEWEST, MOST = 2, 6
 """Places along each edge of a triangle at which it is looked for inside other parts."""
+APART = 0.002
+"""How far apart these are, in parts of the mesh's extent, unless they are the fewest or the most."""
 MIDDLE = np.full((1, 3), 1.0 / 3.0)
 """Share of each corner in the middle of a triangle."""
 
@@ -166,11 +168,21 @@ def _outer(vertices: Array, faces: Integers) -> Mask:
     """Return which triangles bound the body: those that do not lie wholly inside it, where parts overlap."""
     outer = _outside_windings(vertices, faces, np.arange(len(faces)), MIDDLE)[:, 0] < 0.5
     within = np.flatnonzero(~outer)
-    steps = np.arange(STEPS)
-    grid = np.array([(i, j, STEPS - 1 - i - j) for i in steps for j in steps if i + j < STEPS]) + 0.1
-    shares = grid / grid.sum(axis=1, keepdims=True)
-    outer[within] = (_outside_windings(vertices, faces, within, shares) < 0.5).any(axis=1)
+    corners = vertices[faces[within]]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    apart = APART * float(np.ptp(vertices, axis=0).max())
+    counts = np.clip(np.ceil(longest / apart), FEWEST, MOST).astype(np.intp)
+    for count in np.unique(counts).tolist():
+        some = within[counts == count]
+        outer[some] = (_outside_windings(vertices, faces, some, _places(count)) < 0.5).any(axis=1)
     return outer
+
+
+def _places(count: int) -> Array:
+    """Return shares of the corners in places all over a triangle, so many along each edge, shape (k, 3)."""
+    steps = np.arange(count)
+    grid = np.array([(i, j, count - 1 - i - j) for i in steps for j in steps if i + j < count]) + 0.1
+    return np.asarray(grid / grid.sum(axis=1, keepdims=True))
 
 
 def _outside_windings(vertices: Array, faces: Integers, picked: Indices, shares: Array) -> Array:

@@ -36,5 +36,5 @@ def forward(robot: Robot, data: Any, posture: Array) -> Configuration:
         posture: (q_a, sigma), rad (m), shape (l + s,).
     """
     pin.computeJointJacobians(robot.model, data, robot.joint_positions(posture))
-    poses = np.array([M.homogeneous for M in data.oMi])
+    poses = np.array([M.homogeneous for M in data.oMi.tolist()])  # iterating over oMi itself makes a copy of each
     return Configuration(robot, posture, poses[:, :3, :3], poses[:, :3, 3], data.J.copy())

@@ -78,13 +78,9 @@ class GraspProblem:
         self.constraints = _made(constraints, model)
         self.costs = _made(costs, model)
         self._equalities, self._inequalities = self._of("equality"), self._of("inequality")
+        projected = [term for term in (*self.constraints, *self.costs) if isinstance(term, Projected)]
         self._projected: dict[Descents, list[Projected]] = {
-            descents: [
-                term
-                for term in (*self.constraints, *self.costs)
-                if isinstance(term, Projected) and term.descents == descents
-            ]
-            for descents in get_args(Descents)
+            descents: [term for term in projected if term.descents == descents] for descents in get_args(Descents)
         }
         self.rows = Rows(_rows(self._equalities), _rows(self._inequalities))
         self._data = model.robot.model.createData()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from typing import NamedTuple
 
@@ -25,6 +25,10 @@ SHORT = 0.25
 """Part of the budget that each solve of a start with several pairs has; most that lead to a grasp need a tenth.
 
 If none of them does, the one that came furthest goes on with the rest.
+"""
+PROPOSED = 3.0
+"""Tolerance of the cost where contacts are proposed, in parts of the one of the options, which is for Phi: without it
+the cost is some tenths, and most of that is tilt within what the rubber evens out.
 """
 
 
@@ -91,14 +95,16 @@ class LocalSolver:
         x = np.clip(np.concatenate([start, centers]), first.lower, first.upper)
         guesses = self._guesses(first.state(x), proposed)
         most = self._options.budget if len(proposed) < 2 else math.ceil(SHORT * self._options.budget)
+        within = limits(self._options, most, PROPOSED if proposed else 1.0)
         runs: list[Run] = []
         for problem, guess in islice(guesses, self._options.tries):
-            runs.append(self._run(problem, guess, most))
+            runs.append(self._run(problem, guess, within))
             if runs[-1].recorder.feasible:
                 break
         best = min(runs, key=lambda run: run.recorder.merit)
         if most < self._options.budget and not best.recorder.feasible and best.recorder.best is not None:
-            runs.append(self._run(best.recorder.problem, best.recorder.best.x, self._options.budget - most))
+            rest = replace(within, evaluations=self._options.budget - most)
+            runs.append(self._run(best.recorder.problem, best.recorder.best.x, rest))
             best = min(runs, key=lambda run: run.recorder.merit)
         count = sum(run.recorder.evaluations for run in runs)
         return solution_of(index, x, best.recorder, best.stop, count, began)
@@ -112,10 +118,10 @@ class LocalSolver:
         held = held_guesses(self.problem, start, proposed) if onto == "contacts and clearance" else ()
         return chain(held, nearest_first(self.problem, start, proposed, onto))
 
-    def _run(self, problem: GraspProblem, guess: Array, evaluations: int) -> Run:
+    def _run(self, problem: GraspProblem, guess: Array, within: Limits) -> Run:
         """Solve a problem from a point, shape (v,)."""
         recorder = Recorder(problem, self._options.tolerance)
-        return Run(recorder, self._backend.solve(program_from(recorder, guess), limits(self._options, evaluations)))
+        return Run(recorder, self._backend.solve(program_from(recorder, guess), within))
 
 
 class Run(NamedTuple):
@@ -148,13 +154,13 @@ def solution_of(index: int, x: Array, recorder: Recorder, stop: Stop, evaluation
     return Solution(index, outcome, assignment, best.x, violations, evaluations, seconds, stop.message, state)
 
 
-def limits(options: SolverOptions, evaluations: int) -> Limits:
-    """Return when a solve with so many evaluations at most may stop."""
+def limits(options: SolverOptions, evaluations: int, loose: float) -> Limits:
+    """Return when a solve with so many evaluations at most, and so many times the tolerance of the cost, may stop."""
     return Limits(
         evaluations=evaluations,
         violation=10.0 * options.tolerance,  # the last digits are polished
-        cost_change=options.cost_tolerance,
-        relative_cost_change=10.0 * options.cost_tolerance,
+        cost_change=loose * options.cost_tolerance,
+        relative_cost_change=10.0 * loose * options.cost_tolerance,
     )
 
 

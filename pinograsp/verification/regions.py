@@ -1,4 +1,4 @@
-"""Exact membership of regions: the depth of a point in a region, negative outside, m."""
+"""Exact membership of regions: the depth of points in a region, negative outside, m."""
 
 from __future__ import annotations
 
@@ -12,29 +12,35 @@ from .painted import painted_depths
 
 
 def depth(region: described.Region, point: Array) -> float:
-    """Return how deep a point (3,), in the object's frame, is in a region; negative outside.
+    """Return how deep a point (3,), in the object's frame, is in a region; negative outside: see `depths`."""
+    return float(depths(region, point[None])[0])
 
-    A lower bound of the distance to the region's border inside; the sign is exact.
+
+def depths(region: described.Region, points: Array) -> Array:
+    """Return how deep points (n, 3), in the object's frame, are in a region, shape (n,); negative outside.
+
+    Lower bounds of the distances to the region's border inside; the signs are exact.
     """
     match region:
         case described.HalfSpace():
-            return float(np.dot(region.normal, point)) - region.offset
+            return np.asarray(points @ np.array(region.normal) - region.offset)
         case described.Band():
-            return min(float(point[2]) - region.z[0], region.z[1] - float(point[2]))
+            return np.asarray(np.minimum(points[:, 2] - region.z[0], region.z[1] - points[:, 2]))
         case described.Sector():
-            off = math.remainder(math.atan2(point[1], point[0]) - region.middle, 2 * math.pi)
-            return (region.half_width - abs(off)) * math.hypot(point[0], point[1])
+            off = np.arctan2(points[:, 1], points[:, 0]) - region.middle
+            off -= 2 * math.pi * np.rint(off / (2 * math.pi))
+            return np.asarray((region.half_width - np.abs(off)) * np.hypot(points[:, 0], points[:, 1]))
         case described.Ball():
-            return region.radius - math.dist(point, region.center)
+            return np.asarray(region.radius - np.linalg.norm(points - np.array(region.center), axis=1))
         case described.Cuboid():
-            return float(min(np.min(point - region.min), np.min(np.array(region.max) - point)))
+            return np.asarray(np.minimum(points - np.array(region.min), np.array(region.max) - points).min(axis=1))
         case described.Near():
-            return depth(region.balls, point)
+            return depths(region.balls, points)
         case described.Painted():
-            return float(painted_depths(region, point[None])[0])
+            return painted_depths(region, points)
         case described.AllOf():
-            return min(depth(part, point) for part in region.parts)
+            return np.asarray(np.min([depths(part, points) for part in region.parts], axis=0))
         case described.AnyOf():
-            return max(depth(part, point) for part in region.parts)
+            return np.asarray(np.max([depths(part, points) for part in region.parts], axis=0))
         case described.Outside():
-            return -depth(region.part, point)
+            return -depths(region.part, points)

@@ -10,7 +10,7 @@ from ..descriptions.regions import Region
 from ..descriptions.shapes import Shape
 from ..geometry.shapes import surface_of
 from ..geometry.tessellation import refined
-from ..verification.regions import depth
+from ..verification.regions import depths
 from . import colors
 from .surfaces import surface_mesh
 
@@ -22,7 +22,7 @@ def painted_surface(shape: Shape, region: Region) -> Any:
     """Return a meshcat geometry of a shape whose triangles have the colour of their middle."""
     surface = surface_of(shape)
     tessellation = refined(surface.tessellation(), TRIANGLE)
-    allowed = np.array([depth(region, middle) >= 0.0 for middle in tessellation.corners.mean(axis=1)])
+    allowed = depths(region, tessellation.corners.mean(axis=1)) >= 0.0
     paint = np.where(allowed[:, None], _rgb(colors.ALLOWED), _rgb(colors.FORBIDDEN))
     return surface_mesh(surface, tessellation, paint)
 

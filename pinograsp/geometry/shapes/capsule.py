@@ -58,7 +58,7 @@ def _signed_distance(points: Array, radius: float, half: float) -> tuple[Array, 
     n = len(points)
     distances, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
-        x, y, z = points[i]
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         normal = np.array([x, y, z - min(max(z, -half), half)])
         length = math.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
         divisor = length if length > 0.0 else 1.0

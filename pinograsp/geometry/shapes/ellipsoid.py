@@ -3,7 +3,8 @@
 With the semi-axes a_k, the point q of the surface that is nearest to p has q_k = a_k^2 p_k / (t + a_k^2), where t is
 the largest root of F(t) = sum_k (a_k p_k / (t + a_k^2))^2 - 1. F falls and is convex right of -min a_k^2, so that
 Newton's method goes up to the root from where F is positive. On the surface, with g_k = q_k / a_k^2 and n = g / |g|,
-the shape operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the distance d the Hessian is (I + d S)^-1 S.
+the shape operator is S = P diag(1 / a_k^2) P / |g|, P = I - n n^T; at the distance d the Hessian is (I + d S)^-1 S,
+which is (S + d e P) / (1 + d t + d^2 e) with the sum t and the product e of the two principal curvatures.
 """
 
 from __future__ import annotations
@@ -66,9 +67,10 @@ class EllipsoidSurface(Convex):
 def _signed_distance(points: Array, axes: Array) -> tuple[Array, Array, Array]:
     n = len(points)
     distances, gradients, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
-    least = axes.min()
+    least, bends = axes.min(), 1.0 / (axes * axes)
+    p, normal = np.empty(3), np.empty(3)
     for i in range(n):
-        p, within = np.empty(3), -1.0
+        within = -1.0
         for k in range(3):
             size = max(abs(points[i, k]), _TINY * axes[k])
             p[k] = -size if points[i, k] < 0.0 else size
@@ -86,18 +88,28 @@ def _signed_distance(points: Array, axes: Array) -> tuple[Array, Array, Array]:
             t += step
             if step <= 1e-15 * axes.max() ** 2:
                 break
-        q, g, apart = np.empty(3), np.empty(3), 0.0
+        size, apart = 0.0, 0.0
         for k in range(3):
-            q[k] = axes[k] * axes[k] * p[k] / (t + axes[k] * axes[k])
-            g[k] = q[k] / (axes[k] * axes[k])
-            apart += (p[k] - q[k]) ** 2
-        size = math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
+            foot = axes[k] * axes[k] * p[k] / (t + axes[k] * axes[k])
+            normal[k] = foot / (axes[k] * axes[k])
+            size += normal[k] * normal[k]
+            apart += (p[k] - foot) ** 2
+        size = math.sqrt(size)
         distances[i] = math.copysign(math.sqrt(apart), within)
-        normal = g / size
-        P = np.eye(3) - np.outer(normal, normal)
-        S = P @ np.diag(1.0 / (axes * axes)) @ P / size
+        along, total, product = 0.0, 0.0, 0.0
+        for k in range(3):
+            normal[k] /= size
+            gradients[i, k] = normal[k]
+            along += normal[k] * normal[k] * bends[k]
+            total += bends[k]
+            product += normal[k] * normal[k] * bends[k - 1] * bends[k - 2]
+        total, product = (total - along) / size, product / (size * size)
         # Inside, I + d S is singular where spheres of curvature meet; no contact is there.
-        d = max(distances[i], -0.9 / np.linalg.norm(S))
-        gradients[i] = normal
-        hessians[i] = np.linalg.solve(np.eye(3) + d * S, S)
+        norm = math.sqrt(max(total * total - 2.0 * product, 0.0))
+        d = max(distances[i], -0.9 / norm)
+        for j in range(3):
+            for k in range(3):
+                P = (1.0 if j == k else 0.0) - normal[j] * normal[k]
+                S = (bends[j] if j == k else 0.0) - normal[j] * normal[k] * (bends[j] + bends[k] - along)
+                hessians[i, j, k] = (S / size + d * product * P) / (1.0 + d * total + d * d * product)
     return distances, gradients, hessians

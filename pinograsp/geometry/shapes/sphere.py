@@ -55,10 +55,11 @@ def _signed_distance(points: Array, radius: float) -> tuple[Array, Array, Array]
     n = len(points)
     distances, normals, hessians = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
     for i in range(n):
-        x, y, z = points[i]
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         length = math.sqrt(x * x + y * y + z * z)
         distances[i] = length - radius
-        normals[i] = (x / length, y / length, z / length) if length > 0.0 else (1.0, 0.0, 0.0)
+        for k in range(3):
+            normals[i, k] = points[i, k] / length if length > 0.0 else (1.0 if k == 0 else 0.0)
         for j in range(3):
             for k in range(3):
                 across = (1.0 if j == k else 0.0) - normals[i, j] * normals[i, k]

@@ -20,7 +20,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...arrays import Array, cross
+from ...arrays import Array
+from ...compiled import compiled
 from ...descriptions.mesh_contact import LARGEST_TILT, TURN
 from ...descriptions.patches import SpherePatch
 from ...geometry.patches import half_sides
@@ -48,43 +49,37 @@ class PadTilt(Inside):
         self._rho = model.load.rho
         self.scale = PER_METRE * self._rho
         self._slopes = [pad.description.rubber_depth / half_sides(pad.patch) for pad in self._pads]
+        self._steepest = [
+            min(STEEPEST, float(slopes[0])) if _round(pad) else STEEPEST
+            for pad, slopes in zip(self._pads, self._slopes, strict=True)
+        ]
         self.least = min(WITHIN, 0.5 * float(np.min(self._slopes)))
         names = [(pad.description.name, ["1"] if _round(pad) else ["1", "x", "-x", "y", "-y"]) for pad in self._pads]
         self._owners = [pad for pad, (_, sides) in enumerate(names) for _ in sides]
         self.rows = tuple(f"pad tilt of {pad}, {side}" for pad, sides in names for side in sides)
 
     def inside(self, state: State) -> Residual:
-        values, jacobian = np.empty(len(self.rows)), np.empty((len(self.rows), len(state.x)))
         normals, turning = state.footprint
-        contacts, row = state.contacts, 0
+        contacts, B = state.contacts, state.model.robot.B
+        d_normals = np.matmul(turning, contacts.d_points)
+        values, jacobian = np.empty(len(self.rows)), np.empty((len(self.rows), len(state.x)))
+        row = 0
         for i, pad in enumerate(self._pads):
-            n, d_n = normals[i], turning[i] @ contacts.d_points[i]
-            up, d_up = contacts.normals[i], contacts.d_normals[i]
-            steepest = min(STEEPEST, float(self._slopes[i][0])) if _round(pad) else STEEPEST
-            apart = n + up
-            values[row] = 0.5 * (steepest * steepest - apart @ apart) / steepest
-            jacobian[row] = -(apart @ (d_n + d_up)) / steepest
-            row += 1
-            if _round(pad):
-                continue
-            facing, d_facing = -(n @ up), -(up @ d_n + n @ d_up)
-            x, d_x = self._axis(state, pad)
-            y, d_y = cross(up, x), cross(d_up.T, x).T - cross(d_x.T, up).T
-            for slope, axis, d_axis in zip(self._slopes[i], (x, y), (d_x, d_y), strict=True):
-                tilt, d_tilt = n @ axis, axis @ d_n + n @ d_axis
-                values[row], jacobian[row] = slope * facing - tilt, slope * d_facing - d_tilt
-                values[row + 1], jacobian[row + 1] = slope * facing + tilt, slope * d_facing + d_tilt
-                row += 2
+            count = 1 if _round(pad) else 5
+            within_cone(
+                normals[i],
+                d_normals[i],
+                contacts.normals[i],
+                contacts.d_normals[i],
+                state.configuration.rotations[pad.joint] @ pad.rotation[:, 0],
+                contacts.angular[i] @ B,
+                self._slopes[i],
+                self._steepest[i],
+                values[row : row + count],
+                jacobian[row : row + count],
+            )
+            row += count
         return Residual(values, jacobian)
-
-    def _axis(self, state: State, pad: Pad) -> tuple[Array, Array]:
-        """Return the x axis of a patch, world, and its derivative in x, shape (3, v)."""
-        robot, configuration = state.model.robot, state.configuration
-        x = configuration.rotations[pad.joint] @ pad.rotation[:, 0]
-        rates = (configuration.jacobian[3:] * robot.supports[pad.joint]) @ robot.B
-        d_x = np.zeros((3, len(state.x)))
-        d_x[:, : rates.shape[1]] = cross(rates.T, x).T
-        return x, d_x
 
     def projection(self, state: State, weight: float) -> Residual:
         """Return n_pad + n: starts are led to the middle of the cone."""
@@ -99,6 +94,63 @@ class PadTilt(Inside):
 
 def _round(pad: Pad) -> bool:
     return isinstance(pad.patch, SpherePatch)
+
+
+@compiled
+def within_cone(
+    n: Array,
+    d_n: Array,
+    up: Array,
+    d_up: Array,
+    x: Array,
+    turns: Array,
+    slopes: Array,
+    steepest: float,
+    values: Array,
+    jacobian: Array,
+) -> None:
+    """Write how far a normal is within the cone of a pad, rad-like: the first row, or all five, and derivatives.
+
+    Args:
+        n: footprint normal of the object, world, shape (3,).
+        d_n: its derivatives, shape (3, v).
+        up: normal of the pad, world, shape (3,).
+        d_up: its derivatives, shape (3, v).
+        x: axis of the pad, world, shape (3,).
+        turns: angular velocity of the pad per rate of the posture, which comes first in x, shape (3, p).
+        slopes: most of |n_x| and |n_y| in parts of -n_z, shape (2,).
+        steepest: most of |n_pad + n|.
+        values: rows, shape (1,) or (5,).
+        jacobian: their derivatives, shape (1, v) or (5, v).
+    """
+    apart = n + up
+    values[0] = 0.5 * (steepest * steepest - _dot(apart, apart)) / steepest
+    for k in range(d_n.shape[1]):
+        jacobian[0, k] = -(_dot(apart, d_n[:, k]) + _dot(apart, d_up[:, k])) / steepest
+    if len(values) == 1:
+        return
+    y, facing = _cross(up, x), -_dot(n, up)
+    for axis in range(2):
+        slope, tilt = slopes[axis], _dot(n, x if axis == 0 else y)
+        values[1 + 2 * axis], values[2 + 2 * axis] = slope * facing - tilt, slope * facing + tilt
+    for k in range(d_n.shape[1]):
+        d_x = _cross(turns[:, k], x) if k < turns.shape[1] else np.zeros(3)
+        d_y = _cross(d_up[:, k], x) + _cross(up, d_x)
+        d_facing = -_dot(up, d_n[:, k]) - _dot(n, d_up[:, k])
+        for axis in range(2):
+            slope = slopes[axis]
+            d_tilt = _dot(x if axis == 0 else y, d_n[:, k]) + _dot(n, d_x if axis == 0 else d_y)
+            jacobian[1 + 2 * axis, k], jacobian[2 + 2 * axis, k] = slope * d_facing - d_tilt, slope * d_facing + d_tilt
+
+
+@compiled
+def _dot(a: Array, b: Array) -> float:
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+@compiled
+def _cross(a: Array, b: Array) -> Array:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def pad_tilt(model: TaskModel) -> PadTilt | None:
