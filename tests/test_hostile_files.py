@@ -399,8 +399,8 @@ def test_a_source_with_a_null_is_refused() -> None:
 
 
 def test_an_input_that_hangs_or_grows_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fuzz_supervisor, "SECONDS", 1.0)
-    monkeypatch.setattr(fuzz_supervisor, "STILL", 4.0)
+    monkeypatch.setattr(fuzz_supervisor, "SECONDS", 3.0)
+    monkeypatch.setattr(fuzz_supervisor, "STILL", 9.0)
     monkeypatch.setattr(fuzz_supervisor, "MEMORY", 2**27)
 
     def work(numbers: range, pipe: int) -> None:
@@ -412,7 +412,7 @@ def test_an_input_that_hangs_or_grows_is_killed(tmp_path: Path, monkeypatch: pyt
             elif number == 2:
                 time.sleep(1e6)
             elif number == 3:
-                kept = [np.ones(2**25)]
+                kept = [np.ones(2**26)]
                 time.sleep(1e6 * len(kept))
             elif number == 4:
                 os.kill(os.getpid(), signal.SIGSEGV)

@@ -91,7 +91,8 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
     try:
         whole = _Part(triangles, (), _hull(points))
     except FlatError:
-        if areas(triangles).sum() <= _NO_AREA * float(np.ptp(points, axis=0).max()) ** 2:
+        across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])  # `areas` err here
+        if np.linalg.norm(across, axis=1).sum() <= _NO_AREA * float(np.ptp(points, axis=0).max()) ** 2:
             raise
         return [solid_corners(_hull(thickened(points)).vertices)]
     if pieces == 1:
