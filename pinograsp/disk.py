@@ -227,3 +227,11 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except OSError:
         return False
+
+
+def is_there(path: Path) -> bool:
+    """Return whether there is a file, a folder or another thing; as `is_file`."""
+    try:
+        return path.exists()
+    except OSError:
+        return False

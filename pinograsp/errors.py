@@ -38,7 +38,7 @@ class InputError(PinograspError):
     """A file, a key or an argument that cannot be used as given.
 
     The message reads `file:line: key: problem. remedy`, with the parts that are known; each is an attribute, too, None
-    if it is not known.
+    if it is not known. It is one line, whatever a parser that is quoted, or a name, has in it.
     """
 
     def __init__(
@@ -50,6 +50,7 @@ class InputError(PinograspError):
         key: str | None = None,
         remedy: str | None = None,
     ) -> None:
+        problem, remedy = _one_line(problem), None if remedy is None else _one_line(remedy)
         self.problem = problem
         self.file = None if file is None else Path(file)
         self.line = line
@@ -57,11 +58,15 @@ class InputError(PinograspError):
         self.remedy = remedy
         where = "" if file is None else f"{file}:{line}: " if line else f"{file}: "
         what = f"{key}: {problem}" if key else problem
-        super().__init__(where + what + (f". {remedy}" if remedy else ""))
+        super().__init__(_one_line(where + what) + (f". {remedy}" if remedy else ""))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep class and parts when the error crosses from a worker process."""
         return (_rebuild, (type(self), self.problem, self.file, self.line, self.key, self.remedy))
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.splitlines())
 
 
 class UnknownNameError(InputError, KeyError):

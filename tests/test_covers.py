@@ -372,7 +372,7 @@ def test_excess_is_measured_on_the_outside_only() -> None:
     assert excess(halves, box).max() <= 1e-5
 
 
-def test_a_convex_mesh_is_not_cut_and_a_flat_one_has_no_pieces() -> None:
+def test_a_convex_mesh_is_not_cut_and_a_sheet_is_one_thin_piece() -> None:
     ball = np.array(trimesh.creation.icosphere(2).triangles)
     assert len(cover(ball, 8, TOLERANCE)) == 1
     triangles, _ = bent("L", 0.2, 0.05, 0.03)
@@ -381,6 +381,11 @@ def test_a_convex_mesh_is_not_cut_and_a_flat_one_has_no_pieces() -> None:
     assert len(cover(triangles, 8, 0.2)) == 1
     flat = triangles.copy()
     flat[:, :, 2] = 0.0
+    [sheet] = cover(flat, 8, TOLERANCE)
+    assert 0.0 < np.ptp(sheet[:, 2]) < 1e-6
+    planes = ConvexHull(sheet).equations
+    assert (flat.reshape(-1, 3) @ planes[:, :3].T + planes[:, 3]).max() <= 1e-9
+    flat[:, :, 1] = 0.0
     with pytest.raises(FlatError):
         cover(flat, 8, TOLERANCE)
 

@@ -330,7 +330,7 @@ def test_hand_without_contacts(pads: list[Any] | None, count: int, tmp_path: Pat
         ("format: 1\n---\nformat: 1\n", "another document", 2),
         ("name: !!python/object:os.system x\n", "not valid YAML", 1),
         ("? {a: b}\n: 1\n", "unhashable key", 1),
-        ("[" * 3000, "not valid YAML", None),
+        ("[" * 3000, "exceeded maximum nesting depth", 1),
         ("name: &a [*a]\n", "not valid YAML", 1),
         ("name: a\0b\n", "not valid YAML", None),
         (b"\x89PNG\r\n\x1a\n\x00\xff", "not a text file", None),

@@ -30,6 +30,9 @@ def test_an_input_error_says_where_what_and_how_to_mend_it(kind: type[InputError
     assert (error.file, error.line, error.key) == (Path("scene.yaml"), 3, "tasks.a")
     assert (error.problem, error.remedy) == ("is wrong", "Do this")
     assert str(kind("is wrong", key="tasks.a")) == "tasks.a: is wrong"
+    several = kind("is wrong:\nline 3\u2028of it", file="a\nb.yaml", remedy="Do\r\nthis")
+    assert str(several) == "a b.yaml: is wrong: line 3 of it. Do this"
+    assert (several.problem, several.remedy) == ("is wrong: line 3 of it", "Do this")
     assert isinstance(error, PinograspError)
 
 

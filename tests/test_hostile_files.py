@@ -8,7 +8,9 @@ import json
 import os
 import random
 import shutil
+import signal
 import sys
+import time
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -22,8 +24,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-import fuzz
 import fuzz_kinds
+import fuzz_run
+import fuzz_supervisor
 import pinograsp
 from fuzz_mutations import NUMBERS, OTHERS, TEXTS
 from fuzz_toy import random_robot
@@ -379,7 +382,44 @@ def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
     assert sorted(tmp_path.iterdir()) == sorted([writing, other, tmp_path / "a.txt"])
 
 
+def test_a_compound_in_a_compound_is_refused_in_words(glovebox: Scene) -> None:
+    inner = {"type": "compound", "radius": 0.03}
+    content = glovebox.to_dict()
+    content["objects"]["sphere"]["shape"] = {"type": "compound", "parts": [{"shape": inner}]}
+    with pytest.raises(InputError, match="unknown key"):
+        Scene.from_dict(content)
+
+
+def test_a_source_with_a_null_is_refused() -> None:
+    with pytest.raises(InputError, match=r"U\+0000"):
+        pinograsp.load_robot("gen3_2f85").description.model_copy(update={"source": Path("a\0b")})
+
+
 # ---- Everything at random.
+
+
+def test_an_input_that_hangs_or_grows_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fuzz_supervisor, "SECONDS", 3.0)
+    monkeypatch.setattr(fuzz_supervisor, "STILL", 9.0)
+    monkeypatch.setattr(fuzz_supervisor, "MEMORY", 2**27)
+
+    def work(numbers: range, pipe: int) -> None:
+        for number in numbers:
+            os.write(pipe, f"{number} begun\n".encode())
+            if number == 1:
+                while True:
+                    pass
+            elif number == 2:
+                time.sleep(1e6)
+            elif number == 3:
+                kept = [np.ones(2**26)]
+                time.sleep(1e6 * len(kept))
+            elif number == 4:
+                os.kill(os.getpid(), signal.SIGSEGV)
+            os.write(pipe, f"{number} used\n".encode())
+
+    found = dict(fuzz_supervisor.supervised(work, range(6), tmp_path / "log"))
+    assert found == {0: "used", 1: "time", 2: "time", 3: "memory", 4: "SIGSEGV", 5: "used"}
 
 
 def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -390,7 +430,7 @@ def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatc
         home = tmp_path / kind
         home.mkdir()
         monkeypatch.setenv("PINOGRASP_CACHE", str(home / "cache"))
-        for _, outcome in fuzz.run(kind, 0, range(100), home):
+        for _, outcome in fuzz_run.run(kind, 0, range(100), home):
             found[outcome] += 1
     assert found.keys() == {"used", "refused"}, found
     assert found.total() == 200
@@ -398,6 +438,6 @@ def test_whatever_is_read_is_refused_in_words_or_used(tmp_path: Path, monkeypatc
 
 @pytest.mark.slow
 def test_200_000_inputs(tmp_path: Path) -> None:
-    found = fuzz.fuzz(list(fuzz_kinds.KINDS), 200_000, 0, tmp_path)
+    found = fuzz_run.fuzz(list(fuzz_kinds.KINDS), 200_000, 0, tmp_path)
     assert sum(counts.total() for counts in found.values()) >= 200_000
-    assert {outcome for counts in found.values() for outcome in counts} <= {"used", "refused"}, fuzz.table(found)
+    assert {outcome for counts in found.values() for outcome in counts} <= {"used", "refused"}, fuzz_run.table(found)

@@ -103,6 +103,16 @@ def test_another_case_is_said(address: str, tmp_path: Path) -> None:
     assert caught.value.key == "link left" and address in caught.value.problem
 
 
+@pytest.mark.parametrize("address", ["x" * 300, "package://" + "x" * 300 + "/a.stl", "package://r/" + "x" * 300])
+def test_a_name_that_is_too_long_for_the_system_is_not_found(address: str, tmp_path: Path) -> None:
+    package(tmp_path / "r", None)
+    file = robot_file(tmp_path / "r", address, ("..",))
+    with pytest.raises(FileError, match=r"x{300}.* was not found"):
+        mesh_of(file)
+    with pytest.raises(FileError, match=r"x{300}"):
+        pinograsp.new_robot_file(tmp_path / "r" / "toy.urdf", tmp_path / "robots" / "robot.yaml")
+
+
 def test_a_new_robot_file_is_told_of_another_case_in_a_package(tmp_path: Path) -> None:
     mesh = package(tmp_path / "jaw-main", "jaw")
     robot_file(tmp_path / "jaw-main" / "urdf", "package://jaw/Meshes/f.STL")

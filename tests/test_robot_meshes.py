@@ -14,7 +14,8 @@ from conftest import TOY_ROBOT, TOY_URDF, Array
 from scipy.spatial import ConvexHull
 
 import pinograsp
-from pinograsp import FileError
+from pinograsp import FileError, InputError
+from pinograsp.collision.solids import link_bodies
 from pinograsp.descriptions import load_robot_description
 from pinograsp.geometry import covers
 from pinograsp.geometry.convex_solid import convex_solid, solid_corners
@@ -219,3 +220,26 @@ def test_a_robot_with_a_fine_disc_plans(tmp_path: Path) -> None:
     left = next(link for link in report.links if link.link == "left")
     assert (left.pieces, left.closed) == (1, True) and left.most < 1e-4
     assert pinograsp.load_robot(tmp_path).urdf.links == ("base", "arm", "left", "right")
+
+
+def test_a_sheet_is_in_the_way_on_both_of_its_sides(tmp_path: Path) -> None:
+    """A flat mesh encloses nothing, but what is to keep clear of it has the same distance for both readers."""
+    sheet = trimesh.Trimesh(
+        [[0.0, -0.01, 0.0], [0.0, 0.01, 0.0], [0.0, 0.01, 0.04], [0.0, -0.01, 0.04]], [[0, 1, 2], [0, 2, 3]]
+    )
+    sheet.export(tmp_path / "sheet.stl")
+    robot = pinograsp.load_robot(toy(tmp_path, "sheet.stl"))
+    body = next(body for body in link_bodies(robot) if body.name == "left")
+    [solid] = body.solids
+    mesh = VerifiedRobot(robot.description).meshes["left"]
+    assert not mesh.surrounds(np.array([[0.0, 0.0, 0.02]]))
+    ball = coal.Sphere(0.005)
+    ball.computeLocalAABB()
+    for x in (-0.02, -0.006, 0.006, 0.02):
+        T = coal.Transform3s(np.eye(3), np.array([x, 0.0, 0.02]))
+        for shape, excess in ((solid.shape, 1e-6), (mesh.solid, 1e-9)):
+            found = coal.distance(ball, T, shape, coal.Transform3s(), coal.DistanceRequest(), coal.DistanceResult())
+            assert found == pytest.approx(abs(x) - 0.005, abs=excess)
+    (tmp_path / "line.obj").write_text("v 0 0 0\nv 0 0 0.04\nv 0 0 0.02\nf 1 2 3\n")
+    with pytest.raises(InputError, match="no area"):
+        link_bodies(pinograsp.load_robot(toy(tmp_path, "line.obj")))

@@ -143,3 +143,14 @@ def test_an_encoding_that_there_is_not(encoding: str, tmp_path: Path) -> None:
     (tmp_path / "toy.urdf").write_text(f'<?xml version="1.0" encoding="{encoding}"?>{TOY_URDF}')
     with pytest.raises(InputError, match=r"toy\.urdf: is not valid XML"):
         pinograsp.load_robot(file)
+
+
+@pytest.mark.parametrize("named", ["", 'name=""'], ids=["none", "empty"])
+@pytest.mark.parametrize("what", ["joint", "link"])
+def test_links_and_joints_have_names(what: str, named: str, tmp_path: Path) -> None:
+    """Pinocchio says only that there is no valid URDF."""
+    file = written(tmp_path, ("</robot>", f"<{what} {named}/></robot>"))
+    with pytest.raises(
+        InputError, match=rf"toy\.urdf: {what} number \d has no name\. Every <{what}> of a URDF has one"
+    ):
+        pinograsp.load_robot(file)

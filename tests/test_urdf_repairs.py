@@ -226,7 +226,7 @@ def test_joints_that_cannot_be_held(hold: dict[str, float], key: str, words: str
 
 # ---- soft limits
 
-SOFT = '<safety_controller k_velocity="1" {}/>'
+SOFT = '<safety_controller k_position="x" {}/>'
 ENDS = {
     "both": ('soft_lower_limit="0.005" soft_upper_limit="0.03"', (0.005, 0.03)),
     "one": ('soft_upper_limit="0.03"', (0.0, 0.03)),

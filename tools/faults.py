@@ -1,7 +1,7 @@
 """Machines that misbehave: whether commands keep what they found, say what is wrong, and leave nothing behind.
 
     python tools/faults.py [--moments 50] [--seed 0] [--parts signals workers folders terminals shared]
-        [--commands plan build report] [--processes 2]
+        [--commands plan build report] [--signals SIGINT ...] [--processes 2] [--cache FOLDER]
 
 Signals come at random moments of `plan`, `database build` and `rank` (of a page), from the first import on; SIGINT to
 the whole group, as a terminal sends it. Then workers are killed, folders are read-only, full, missing, or a file;
@@ -13,13 +13,15 @@ to mount a tmpfs, and are left out without it.
 from __future__ import annotations
 
 import argparse
+import shutil
+import signal
 import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from faults_folders import folders
-from faults_machine import Machine
+from faults_machine import SIGNALS, Machine
 from faults_series import Faults
 from faults_shared import shared
 from faults_signals import signals, workers
@@ -37,13 +39,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--commands", nargs="+", choices=COMMANDS, default=COMMANDS, help="of signals and workers")
     parser.add_argument("--processes", type=int, default=2, help="workers of a command")
+    parser.add_argument("--signals", nargs="+", choices=SIGNALS, default=list(SIGNALS))
+    parser.add_argument("--cache", type=Path, metavar="FOLDER", help="a filled cache, of which a copy is used")
     given = parser.parse_args(arguments)
+    # In the background of a shell Ctrl-C is ignored, and commands would inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tempfile.TemporaryDirectory(prefix="faults-") as name:
         folder = Path(name)
         folder.chmod(0o755)
         cache = folder / "cache"
-        cache.mkdir()
-        faults = Faults(Machine(cache, given.processes), folder, given.moments, given.seed, given.commands)
+        if given.cache is None:
+            cache.mkdir()
+        else:
+            shutil.copytree(given.cache, cache)
+        numbers = [SIGNALS[name] for name in given.signals]
+        faults = Faults(Machine(cache, given.processes), folder, given.moments, given.seed, given.commands, numbers)
         faults.prepare()
         for part in given.parts:
             PARTS[part](faults)

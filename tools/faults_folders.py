@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from faults_machine import (
+    LONG,
     NOBODY,
     PLAN,
     WrongError,
@@ -63,7 +63,7 @@ def folders(faults: Faults) -> None:
         "HOME is nothing": ("", {}),
         "HOME is no folder": ("/dev/null/nobody", {}),
     }
-    if os.geteuid() == 0:
+    if _nobody_runs_python():
         homes["HOME is not set, nor is the user known"] = (None, {"user": NOBODY})
     for said, (home, streams) in homes.items():
         with faults.row(said, "plan") as outcomes, faults.judged(outcomes, said):
@@ -77,7 +77,7 @@ def folders(faults: Faults) -> None:
 def _plans_without(
     faults: Faults, folder: Path, named: str, environment: Mapping[str, str | None], **streams: Any
 ) -> None:
-    done = faults.machine.run(folder, *PLAN, environment=environment, **streams).require(0)
+    done = faults.machine.run(folder, *PLAN, environment=environment, most=LONG, **streams).require(0)
     check_plan(folder, done, None, faults.subjects["plan"].whole)
     warned = [line for line in done.errors.splitlines() if "PINOGRASP_CACHE" in line]
     if named and (len(warned) != 1 or named not in warned[0]):
@@ -105,6 +105,15 @@ def _mounted(folder: Path, options: str) -> Iterator[Path]:
         yield place
     finally:
         subprocess.run(["umount", place], check=True)
+
+
+def _nobody_runs_python() -> bool:
+    """Whether a command can be run as a user of whom the system knows nothing."""
+    try:
+        return subprocess.run([sys.executable, "-c", "import pinograsp"], user=NOBODY).returncode == 0
+    except OSError as error:
+        print(f"no unknown user may run Python: {error}", file=sys.stderr)
+        return False
 
 
 def _may_mount(folder: Path) -> bool:

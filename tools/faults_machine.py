@@ -26,13 +26,15 @@ NAME = "glovebox_sphere_gen3_2f85"
 PLAN = ("plan", "glovebox", "--task", "sphere", "--starts", STARTS)
 BUILD = ("database", "build", "rows.duckdb", "--scene", "glovebox", "--size", ROWS)
 REPORT = ("rank", "result.json", "--out", "out")
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
+SIGNALS = {number.name: number for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)}
 SAID = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 """Exit codes of commands that were asked to end."""
 NOBODY = 54321
 """A user of whom the system knows nothing."""
 TIMEOUT = 300.0
 """Seconds after which a command is taken to hang."""
+LONG = 1500.0
+"""The same of one that builds the database of a plan."""
 HANGS = 1000
 """Its exit code then."""
 
@@ -74,6 +76,7 @@ class Machine:
         *words: object,
         at: Callable[[subprocess.Popen[str]], object] = lambda process: None,
         environment: Mapping[str, str | None] | None = None,
+        most: float = TIMEOUT,
         **streams: Any,
     ) -> Done:
         """Run a command.
@@ -83,6 +86,7 @@ class Machine:
             words: of the command.
             at: called when its first import begins.
             environment: variables that are set besides, or with None taken away.
+            most: seconds after which it is taken to hang.
             streams: further arguments of `Popen`.
         """
         variables = {"PINOGRASP_CACHE": str(self.cache), **(environment or {})}
@@ -102,7 +106,7 @@ class Machine:
             os.close(reading)
             try:
                 at(process)
-                code = process.wait(TIMEOUT)
+                code = process.wait(most)
             except subprocess.TimeoutExpired:
                 code = HANGS
             except BaseException:

@@ -15,6 +15,7 @@ import duckdb
 import pinograsp
 from faults_machine import (
     BUILD,
+    LONG,
     NAME,
     PLAN,
     REPORT,
@@ -27,8 +28,10 @@ from faults_outcomes import Subject, check_build, check_plan, check_report, rows
 class Faults:
     """What all parts use: the commands undisturbed, new folders, and the lines of the table."""
 
-    def __init__(self, machine: Machine, folder: Path, moments: int, seed: int, commands: Sequence[str]) -> None:
-        self.machine, self.folder, self.moments = machine, folder, moments
+    def __init__(
+        self, machine: Machine, folder: Path, moments: int, seed: int, commands: Sequence[str], numbers: Sequence[int]
+    ) -> None:
+        self.machine, self.folder, self.moments, self.signals = machine, folder, moments, numbers
         self.random = random.Random(seed)
         self._count = 0
         self.wrong = 0
@@ -53,7 +56,7 @@ class Faults:
             seconds = []
             for _ in range(2):
                 folder = self.started(name)
-                done = self.machine.run(folder, *subject.words).require(0)
+                done = self.machine.run(folder, *subject.words, most=LONG).require(0)
                 seconds.append(done.seconds)
             subject.seconds = seconds[-1]
             if name == "plan":

@@ -14,6 +14,7 @@ from pathlib import Path
 import duckdb
 
 from faults_machine import (
+    LONG,
     PLAN,
     Done,
     WrongError,
@@ -53,7 +54,7 @@ def shared(faults: Faults, plans: int = 8) -> None:
 
 def _at_once(faults: Faults, plans: int, cache: Path, outcomes: Counter[str]) -> None:
     def planned(folder: Path) -> Done:
-        return faults.machine.run(folder, *PLAN, environment={"PINOGRASP_CACHE": str(cache)})
+        return faults.machine.run(folder, *PLAN, environment={"PINOGRASP_CACHE": str(cache)}, most=LONG)
 
     folders = [faults.fresh() for _ in range(plans)]
     with ThreadPoolExecutor(plans) as threads:

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pinograsp
 from faults_machine import (
-    SIGNALS,
     WrongError,
     members,
     require_clean,
@@ -24,7 +23,7 @@ from faults_series import Faults
 def signals(faults: Faults) -> None:
     """Send every signal at random moments of every command."""
     for name, subject in faults.chosen.items():
-        for number in SIGNALS:
+        for number in faults.signals:
             with faults.row(signal.Signals(number).name, name) as outcomes:
                 folder = faults.started(name)
                 for _ in range(faults.moments):

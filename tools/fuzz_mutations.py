@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import random
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
 from typing import Any
 
 NUMBERS = [0, -0.0, 1, -1, 3, 90, 1e-300, 1e-12, 1e9, 1e16, 1e308, -1e308, 5e-324, 2**53, 2**64, 10**90, float("nan")]
@@ -21,15 +20,24 @@ TEXTS += [
 ]
 OTHERS: list[Any] = [None, True, False, [], {}, [[]], [0.0], [0.0] * 3, [0.0] * 4, {"type": "sphere", "radius": 0.03}]
 WORDS = ["nan", "inf", "", "1 2", "1 2 3 4", "1e400", "0 0 0", "-1", "x", "1e-300", "nan 0 0", "1e16 0 0"]
+MESH_WORDS = [b"nan", b"inf", b"1e300", b"-1", b"99", b"", b"1.5", b"x", b"1e-300", b"\n"]
 Tree = Any
 Path = tuple[Any, ...]
 
 
-def paths(tree: Tree, path: Path = ()) -> Iterator[Path]:
-    """Yield the path of everything in a tree of dicts and lists."""
-    for key, part in tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ():
-        yield (*path, key)
-        yield from paths(part, (*path, key))
+def paths(tree: Tree) -> list[Path]:
+    """Return the path of everything in a tree of dicts and lists."""
+    found: list[Path] = []
+    _collect(tree, (), found)
+    return found
+
+
+def _collect(tree: Tree, path: Path, found: list[Path]) -> None:
+    for key, part in tree.items() if isinstance(tree, dict) else enumerate(tree):
+        inside = (*path, key)
+        found.append(inside)
+        if isinstance(part, dict | list):
+            _collect(part, inside, found)
 
 
 def part_at(tree: Tree, path: Path) -> Any:
@@ -42,7 +50,7 @@ def part_at(tree: Tree, path: Path) -> Any:
 def mutate_tree(tree: Tree, rng: random.Random) -> None:
     """Change one to three things in a tree of dicts and lists."""
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
-        places = list(paths(tree))
+        places = paths(tree)
         if not places:
             return
         path = rng.choice(places)
@@ -121,3 +129,12 @@ def mutate_bytes(content: bytes, rng: random.Random) -> bytes:
         case _ if begin < len(data):
             data[begin] ^= 1 << rng.randrange(8)
     return bytes(data)
+
+
+def mutate_mesh(content: bytes, rng: random.Random) -> bytes:
+    """Change a word of a mesh file, if it is a text, or bytes, or both."""
+    if rng.random() < 0.5 and b"\0" not in content:
+        words = content.split(b" ")
+        words[rng.randrange(len(words))] = rng.choice(MESH_WORDS)
+        content = b" ".join(words)
+    return mutate_bytes(content, rng) if rng.random() < 0.6 else content

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import random
 import shutil
 from functools import cache
@@ -13,10 +14,13 @@ import numpy as np
 import yaml
 
 import pinograsp
-from pinograsp.descriptions import shipped_robots
+from pinograsp.descriptions import shipped_robots, shipped_scenes
+from pinograsp.descriptions.locate import wheel_share
 
 SOURCES: list[str] = []
 """The folder of `prepare`."""
+LINKS = {".stl": 8, ".dae": 8, ".obj": 2}
+"""How many small meshes of the wheels of robot models are mutated, too."""
 
 
 @cache
@@ -26,7 +30,10 @@ def sources(folder: Path) -> dict[str, list[Path]]:
 
 
 def prepare(folder: Path) -> None:
-    """Write sources to a folder: results of two starts each, a small database, a toy robot and meshes."""
+    """Write sources to a folder: results of two starts each, a small database and meshes; check the shipped robots.
+
+    What the check keeps in the cache is there for all inputs.
+    """
     for name in ("result", "database", "mesh"):
         (folder / name).mkdir(parents=True)
     robot, scene = pinograsp.load_robot("gen3_2f85"), pinograsp.load_scene("glovebox")
@@ -39,13 +46,24 @@ def prepare(folder: Path) -> None:
     result = pinograsp.plan(robot, empty, "sphere", starts=2, workers=1, database=database)
     pinograsp.write_json(result, folder / "result" / "none.json")
     for name, file in shipped_robots().items():
+        pinograsp.check_robot(file)
         for mesh in file.parent.glob("*.obj"):
             shutil.copy(mesh, folder / "mesh" / f"{name}-{mesh.name}")
-    for suffix, content in _meshes().items():
+    for suffix, content in _boxes().items():
         (folder / "mesh" / f"box.{suffix}").write_bytes(content)
+    small = [file for file in wheel_share().rglob("*") if file.suffix.lower() in LINKS and file.is_file()]
+    for suffix, count in LINKS.items():
+        of_suffix = sorted((file.stat().st_size, str(file)) for file in small if file.suffix.lower() == suffix)
+        for i, (_, name) in enumerate(of_suffix[: 2 * count : 2]):
+            shutil.copy(name, folder / "mesh" / f"{i}-{Path(name).name}")
 
 
-def _meshes() -> dict[str, bytes]:
+def meshes() -> list[Path]:
+    """Return the mesh files that `prepare` wrote."""
+    return sources(Path(SOURCES[0]))["mesh"]
+
+
+def _boxes() -> dict[str, bytes]:
     """Return a box in every format that is small enough to be written here."""
     corners = np.array([[x, y, z] for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.04, 0.04)])
     faces = [
@@ -76,11 +94,27 @@ def _meshes() -> dict[str, bytes]:
     return {"obj": obj.encode(), "off": off.encode(), "ply": ply.encode(), "stl": stl.encode(), "bin.stl": binary}
 
 
-@cache
 def content_of(file: Path) -> Any:
-    """Return what is in a JSON or YAML file."""
+    """Return what is in a JSON or YAML file, to be changed."""
+    return pickle.loads(_pickled(file))
+
+
+@cache
+def _pickled(file: Path) -> bytes:
     text = file.read_text()
-    return json.loads(text) if file.suffix == ".json" else yaml.safe_load(text)
+    return pickle.dumps(json.loads(text) if file.suffix == ".json" else yaml.safe_load(text))
+
+
+@cache
+def scene_files() -> list[Path]:
+    """Return the files of the shipped scenes."""
+    return sorted(shipped_scenes().values())
+
+
+@cache
+def robot_files() -> list[Path]:
+    """Return the files of the shipped robots."""
+    return sorted(shipped_robots().values())
 
 
 def _number(rng: random.Random, least: float, most: float) -> float:
@@ -136,12 +170,13 @@ def random_scene(rng: random.Random) -> dict[str, Any]:
 
 def shipped(rng: random.Random) -> tuple[dict[str, Any], dict[str, Path]]:
     """Return the content of the file of a shipped robot, and its URDF and SRDF, wherever they are."""
-    file = rng.choice(sorted(shipped_robots().values()))
-    return content_of(file), _files_of(file)
+    file = rng.choice(robot_files())
+    return content_of(file), files_of(file)
 
 
 @cache
-def _files_of(file: Path) -> dict[str, Path]:
+def files_of(file: Path) -> dict[str, Path]:
+    """Return the URDF and the SRDF of a robot file."""
     description = pinograsp.load_robot(file).description
     names = {"urdf": description.urdf_file, "srdf": description.srdf_file}
     return {kind: name for kind, name in names.items() if name is not None}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import select
 import signal
@@ -11,13 +12,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 SECONDS = 20.0
-"""Longest time of an input."""
+"""Longest time of an input, of the processor: how busy the machine is does not count."""
+STILL = 10.0 * SECONDS
+"""Longest time of an input by the clock."""
 MEMORY = 2**30
 """Most memory of an input, bytes, beyond what was there when all libraries were loaded."""
 TICK = 0.1
 """Seconds after which memory and time of a child are looked at again."""
 BATCH = 200
 """Inputs of one child: it is forked from a process that has loaded everything and opened nothing."""
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
 Work = Callable[[range, int], None]
 """Runs inputs, and writes to a pipe `<number> begun`, then `<number> <outcome>`, a line each."""
 
@@ -28,6 +32,22 @@ def resident(process: int) -> int:
         return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
     except (OSError, IndexError):
         return 0
+
+
+def end_with_parent(parent: int) -> None:
+    """Have this process killed as soon as its parent has ended, however that ends."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def worked(process: int) -> float:
+    """Return how long a process has had the processor, seconds; 0 of one that has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")  # utime and stime, see proc(5)
+    except (OSError, IndexError):
+        return 0.0
 
 
 def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str]]:
@@ -43,10 +63,11 @@ def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str
     """
     while numbers:
         read, write = os.pipe()
-        base = resident(os.getpid())
+        parent = os.getpid()
+        base = resident(parent)
         if (process := os.fork()) == 0:
             os.close(read)
-            _end(work, numbers[:BATCH], write, log)
+            _end(parent, work, numbers[:BATCH], write, log)
         os.close(write)
         last, begun, over = numbers.start - 1, None, None
         try:
@@ -73,9 +94,10 @@ def supervised(work: Work, numbers: range, log: Path) -> Iterator[tuple[int, str
         numbers = range(last + 1, numbers.stop)
 
 
-def _end(work: Work, numbers: range, pipe: int, log: Path) -> None:
+def _end(parent: int, work: Work, numbers: range, pipe: int, log: Path) -> None:
     code = 1
     try:
+        end_with_parent(parent)
         work(numbers, pipe)
         code = 0
     except BaseException:
@@ -86,16 +108,20 @@ def _end(work: Work, numbers: range, pipe: int, log: Path) -> None:
 
 def _lines(pipe: int, process: int, most: int) -> Iterator[str]:
     """Yield the lines of a child; it is killed if it says nothing for too long or grows, and the last line says so."""
-    left, heard = "", time.monotonic()
+    left, heard, before = "", time.monotonic(), 0.0
     with os.fdopen(pipe, "rb", buffering=0) as stream:
         while True:
             if select.select([pipe], [], [], TICK)[0]:
                 if not (text := stream.read(2**16)):
                     return
-                heard = time.monotonic()
+                heard, before = time.monotonic(), worked(process)
                 *lines, left = (left + text.decode()).split("\n")
                 yield from lines
-            over = "memory" if resident(process) > most else "time" if time.monotonic() - heard > SECONDS else None
+            over = None
+            if resident(process) > most:
+                over = "memory"
+            elif worked(process) - before > SECONDS or time.monotonic() - heard > STILL:
+                over = "time"
             if over is not None:
                 os.kill(process, signal.SIGKILL)
                 yield over

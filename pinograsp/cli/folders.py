@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..disk import json_text, reason_of, require_writable, write_whole
+from ..disk import is_there, json_text, reason_of, require_writable, write_whole
 from ..errors import FileError
 from ..interrupts import held
 from ..words import escaped
@@ -43,7 +43,7 @@ def saved(lines: Iterable[str]) -> list[str]:
 
 def save(file: Path, write: Callable[[], object]) -> str:
     """Have a file written, and return what to say: that it is there now, or took the place of another one."""
-    done = "replaced" if file.exists() else "written"
+    done = "replaced" if is_there(file) else "written"
     write()
     return f"{done}: {file}"
 
@@ -55,7 +55,7 @@ def remove(file: Path) -> Iterator[str]:
         FileError: it cannot be removed.
     """
     try:
-        if file.exists():
+        if is_there(file):
             file.unlink()
             yield f"removed: {file}, of an earlier plan"
     except OSError as error:

@@ -50,7 +50,7 @@ def link_bodies(robot: Robot, report: Report = no_report) -> tuple[Body, ...]:
         report: called while they are made, before every mesh: pieces of one that is new on the machine take a second.
 
     Raises:
-        InputError: a collision element is not understood, or a mesh cannot be read or has no volume.
+        InputError: a collision element is not understood, or a mesh cannot be read or has no area.
     """
     bodies = _bodies(robot.unmounted)
     if not bodies:

@@ -21,7 +21,7 @@ from typing import get_args
 from ..collision.solids import link_bodies
 from ..descriptions import Scene
 from ..descriptions.task import Margins
-from ..disk import as_path
+from ..disk import as_path, is_there
 from ..errors import (
     DatabaseMismatchError,
     InputError,
@@ -156,7 +156,7 @@ class _Pace:
 
 def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database:
     """Open the database for writing, or make it; refuse one made otherwise."""
-    if not path.exists():
+    if not is_there(path):
         facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
         return create(path, identity, facts)
     database = Database.open(path, read_only=False)

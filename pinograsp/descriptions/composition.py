@@ -12,7 +12,7 @@ from ..errors import FileError
 from . import locate
 from .model import FileRoot, Frozen
 from .pose import Pose
-from .values import Format1, Name, Number, Table, empty
+from .values import FilePath, Format1, Name, Number, Table, empty
 
 
 class UrdfPart(Frozen):
@@ -53,11 +53,11 @@ class Composition(FileRoot, UrdfPart):
 
     format: Format1
     """Version of the file's format."""
-    source: Path
+    source: FilePath
     """Where the robot file was read from: what it names is found from there."""
     attach: tuple[Attachment, ...] = ()
     """Further URDFs, each fixed to a link of what is there so far."""
-    packages: tuple[Path, ...] = ()
+    packages: tuple[FilePath, ...] = ()
     """Folders, besides those of the installed wheels, in which `package://` is looked up, or `name=folder` of one."""
 
     @cached_property

@@ -81,8 +81,10 @@ def wheel_share() -> Path:
 
     It need not be that of this environment: wheels may be the user's own, or those that an environment inherits.
     """
-    shares = [Path(folder) / "cmeel.prefix" / "share" for folder in (*sys.path, sysconfig.get_path("purelib"))]
-    return next((share for share in shares if share.is_dir()), shares[-1])
+    inside = Path("cmeel.prefix") / "share"
+    shares = (Path(folder) / inside for folder in sys.path)
+    found = next((share for share in shares if share.is_dir()), None)
+    return Path(sysconfig.get_path("purelib")) / inside if found is None else found
 
 
 def package_folders(file: Path, packages: tuple[Path, ...]) -> PackageFolders:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import FrozenInstanceError
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from .problems import input_error, refuse_internal
+from .values import FilePath
 
 
 class Frozen(BaseModel):
@@ -97,7 +97,7 @@ class FileRoot(Frozen):
     """The whole of a file."""
 
     format: int
-    source: Path | None
+    source: FilePath | None
     """Where it was read from."""
     digest: str
     """SHA-256 of the bytes of that file, in hexadecimal."""

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote
 
-from ..disk import is_file
+from ..disk import is_file, is_folder, is_there
 
 SCHEMES = ("package://", "model://")
 _FIND = re.compile(r"\$\(\s*(?:find|find-pkg-share)\s+([^)\s]+)\s*\)[/\\]?(.*)", re.DOTALL)
@@ -129,7 +129,7 @@ def _below(folder: Path) -> list[Path]:
 def folders_in(folder: Path) -> list[Path]:
     """Return the folders directly in a folder that are not hidden, sorted; none of one that cannot be read."""
     with suppress(OSError):
-        return sorted(inner for inner in folder.iterdir() if not inner.name.startswith(".") and inner.is_dir())
+        return sorted(inner for inner in folder.iterdir() if not inner.name.startswith(".") and is_folder(inner))
     return []
 
 
@@ -159,7 +159,7 @@ def remedy_for(address: str, home: Path, folders: PackageFolders) -> str:
     package = readings(address)[0].package
     if package is None:
         return f"Looked in {looked}; name further folders under `packages` in the robot file"
-    there = next((folder for folder in folders.of(package) if folder.is_dir()), None)
+    there = next((folder for folder in folders.of(package) if is_folder(folder)), None)
     if there is not None:
         return f"The package is taken to be {there}; if another is meant, give its folder: {_how_to_give(package)}"
     return f"Looked for package {package} in {looked}; give its folder: {_how_to_give(package)}"
@@ -174,7 +174,7 @@ def _in_other_case(path: Path) -> Path | None:
     found = Path(path.anchor)
     for part in path.parts[1:]:
         inner = found / part
-        if not inner.exists():
+        if not is_there(inner):
             with suppress(OSError):
                 alike = sorted(entry for entry in found.iterdir() if entry.name.lower() == part.lower())
                 inner = alike[0] if alike else inner

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -159,9 +160,14 @@ def _shown(given: object) -> str:
     return "nothing" if given is None else re.sub(r"\n\s*", " ", repr(given))
 
 
+@cache
+def _schema_of(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
+
+
 def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
-    """Return the keys that the block at `path` may have."""
-    schema = model.model_json_schema()
+    """Return the keys that the block at `path` may have; none of a block that cannot be there."""
+    schema = _schema_of(model)
 
     def meant(block: dict[str, Any]) -> dict[str, Any]:
         """Return the block behind references and the possibility to leave it out."""
@@ -175,6 +181,8 @@ def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
     block = meant(schema)
     for part in path:
         if "discriminator" in block:
+            if part not in block["discriminator"]["mapping"]:  # what cannot be there, as a compound in a compound
+                return []
             block = {"$ref": block["discriminator"]["mapping"][part]}
         elif isinstance(part, int):
             block = block["items"]

@@ -9,7 +9,6 @@ import json
 import reprlib
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -31,6 +30,7 @@ from .values import (
     ABSENT,
     FARTHEST,
     FileName,
+    FilePath,
     Format1,
     Name,
     OptionalVector3,
@@ -114,7 +114,7 @@ class Scene(FileRoot):
 
     format: Format1 = 1
     """Version of the file's format."""
-    source: Path | None = Field(default=None, init=False, repr=False)
+    source: FilePath | None = Field(default=None, init=False, repr=False)
     """The file that it was read from; None if it was made in Python, by changing another one too."""
     digest: str = Field(default="", init=False, repr=False)
     """SHA-256 in hexadecimal: of the file's bytes, or of the content if it was made in Python; and of mesh files."""

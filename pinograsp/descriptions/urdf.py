@@ -189,7 +189,7 @@ def _held(
 
 
 def _strip(tree: ET.Element) -> None:
-    """Take out what nothing here asks for; Pinocchio wants to have limits, and effort and velocity of them."""
+    """Take out what nothing here asks for; Pinocchio wants to have limits, and numbers with them."""
     for part in (*tree.findall("link"), *tree.findall("joint")):
         for element in [element for element in part if element.tag in _NOT_ASKED_FOR]:
             part.remove(element)
@@ -206,6 +206,9 @@ def _strip(tree: ET.Element) -> None:
         for limit in joint.findall("limit"):
             limit.set("effort", "0")
             limit.set("velocity", "0")
+        for soft in joint.findall("safety_controller"):
+            soft.set("k_position", "0")
+            soft.set("k_velocity", "0")
 
 
 def parse(file: Path, tag: str) -> ET.Element:

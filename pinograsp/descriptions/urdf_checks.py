@@ -89,6 +89,9 @@ def check_tree(root: ET.Element, file: Path) -> tuple[str, ...]:
     links = [link.get("name", "") for link in root.findall("link")]
     joints = [joint.get("name", "") for joint in root.findall("joint")]
     for what, names in (("link", links), ("joint", joints)):
+        if "" in names:
+            remedy = f'Every <{what}> of a URDF has one: <{what} name="...">'
+            raise InputError(f"{what} number {names.index('') + 1} has no name", file=file, remedy=remedy)
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
             raise InputError(f"two {what}s have the name {twice[0]!r}", file=file, key=twice[0])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
@@ -100,6 +101,12 @@ def _fit_for_files(name: str) -> str:
     return name
 
 
+def _without_null(file: Path) -> Path:
+    if "\0" in str(file):
+        raise ValueError("no file has the character U+0000 in its name")
+    return file
+
+
 Format1 = Annotated[Literal[1], BeforeValidator(_format)]
 Number = Annotated[FiniteFloat, BeforeValidator(_number), AfterValidator(_in_reach)]
 Positive = Annotated[Number, Field(gt=0.0), AfterValidator(_not_tiny)]
@@ -111,6 +118,8 @@ SizeOrNone = Annotated[NotNegative, AfterValidator(_has_size)]
 Name = Annotated[str, Field(min_length=1)]
 FileName = Annotated[Name, AfterValidator(_fit_for_files)]
 """A name that becomes part of a file's name."""
+FilePath = Annotated[Path, AfterValidator(_without_null)]
+"""Of a file or folder, which may be there."""
 Interval = Annotated[tuple[Number, Number], BeforeValidator(listed)]
 
 

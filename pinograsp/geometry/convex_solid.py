@@ -48,7 +48,7 @@ def solid_corners(points: Array) -> Array:
 
 def _taken(points: Array) -> tuple[Array, Any]:
     """Return such points and their hull."""
-    tried = points = _thickened(points)
+    tried = points = thickened(points)
     for fineness in FINENESS:
         try:
             return tried, _hull(tried)
@@ -63,8 +63,12 @@ def _hull(points: Array) -> Any:
     return coal.Convex.convexHull(cloud, True, "Qt")
 
 
-def _thickened(points: Array) -> Array:
-    """Return points, and where they are too thin along one of their principal axes, others on both sides of them."""
+def thickened(points: Array) -> Array:
+    """Return points, shape (n, 3), m, so thick that Coal makes a hull of them, which holds them all.
+
+    They are the points themselves, but where these are too thin along one of their principal axes, as those of a sheet,
+    others on both sides of them.
+    """
     away = points - points.mean(axis=0)
     axes = np.linalg.svd(away.T @ away)[0].T
     lengths = np.ptp(away @ axes.T, axis=0)

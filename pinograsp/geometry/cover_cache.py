@@ -36,7 +36,7 @@ def mesh_cover(mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: flo
         tolerance: how far a piece may stand off the mesh without being cut, m; see `cover`.
 
     Raises:
-        InputError: the mesh cannot be read or has no volume.
+        InputError: the mesh cannot be read or has no area.
     """
     content = mesh_bytes(mesh)
     settings = f"{VERSION} {mesh.suffix.lower()} {scale} {pieces} {tolerance}"
@@ -54,7 +54,7 @@ def body_cover(name: str, triangles: Array, pieces: int, tolerance: float) -> Pi
         tolerance: m.
 
     Raises:
-        FlatError: the mesh lies in one plane.
+        FlatError: the mesh has no area.
     """
     key = digest(f"{VERSION} {pieces} {tolerance} ".encode() + triangles.tobytes())
     return _kept(name, key, lambda: tuple(cover(triangles, pieces, tolerance)))
@@ -66,7 +66,7 @@ def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, toleran
         try:
             return tuple(cover(read_triangles(mesh) * np.array(scale), pieces, tolerance))
         except FlatError:
-            raise InputError("the collision mesh has no volume", file=mesh) from None
+            raise InputError("the collision mesh has no area: all of it is on a line", file=mesh) from None
 
     return _kept(mesh.stem, key, make)
 

@@ -32,12 +32,14 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
 from ..arrays import Array, Indices
-from .convex_solid import solid_corners
+from .convex_solid import solid_corners, thickened
 from .few_corners import corners_around, fan
 from .hulls import FlatError, Hull, areas, boundary, spread
 from .mesh_surface import MeshSurface
 from .triangle_mesh import winding_number
 
+_NO_AREA = 1e-12
+"""Area of a mesh below which it is a line or a point, as a share of its squared extent."""
 VERSION = 7
 """Of the algorithm; to be raised with every change that gives other pieces."""
 
@@ -74,7 +76,8 @@ class _Part:
 def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
     """Return the vertices of convex pieces, each of shape (k, 3), that together contain a mesh.
 
-    They are such that Coal makes solids of them.
+    They are such that Coal makes solids of them. A sheet, a mesh in one plane, is one piece as thin as such a solid can
+    be: it is in the way, too, on both of its sides.
 
     Args:
         triangles: of the mesh, shape (n, 3, 3), m.
@@ -82,9 +85,16 @@ def cover(triangles: Array, pieces: int, tolerance: float) -> list[Array]:
         tolerance: a piece is not cut if 95 % of its share of the outer boundary is this near to the mesh, m.
 
     Raises:
-        FlatError: the mesh lies in one plane.
+        FlatError: the mesh has no area: it is a line or a point.
     """
-    whole = _Part(triangles, (), _hull(triangles.reshape(-1, 3)))
+    points = triangles.reshape(-1, 3)
+    try:
+        whole = _Part(triangles, (), _hull(points))
+    except FlatError:
+        across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])  # `areas` err here
+        if np.linalg.norm(across, axis=1).sum() <= _NO_AREA * float(np.ptp(points, axis=0).max()) ** 2:
+            raise
+        return [solid_corners(_hull(thickened(points)).vertices)]
     if pieces == 1:
         return [solid_corners(whole.hull.vertices)]
     parts = [whole]

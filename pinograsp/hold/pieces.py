@@ -41,7 +41,7 @@ def link_pieces(
         behind: how far behind the face of a flat pad the pieces under it are cut off, m.
 
     Raises:
-        InputError: a collision geometry is not understood, or a mesh cannot be read or has no volume.
+        InputError: a collision geometry is not understood, or a mesh cannot be read or has no area.
     """
     pieces: dict[str, list[Array]] = {link: [] for link in links}
     for element in link_elements(urdf, robot.urdf_file):

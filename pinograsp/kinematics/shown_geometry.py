@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions.mesh_files import mesh_bytes
+from ..disk import is_file
 from ..errors import FileError, InputError
 from .collision_elements import Place, shape_of
 
@@ -64,7 +65,7 @@ def _require_drawable(mesh: Path, scale: Array, loader: coal.CachedMeshLoader) -
     Raises:
         FileError: it is a mesh like that.
     """
-    if not mesh.is_file():
+    if not is_file(mesh):
         raise FileError("was not found", file=mesh)
     content = mesh_bytes(mesh)
     try:
@@ -78,5 +79,5 @@ def _require_drawable(mesh: Path, scale: Array, loader: coal.CachedMeshLoader) -
             images = [image.text or "" for image in ET.fromstring(content.decode()).iterfind(_IMAGES)]
         except (UnicodeDecodeError, ET.ParseError):
             raise FileError("is not XML in UTF-8", file=mesh) from None
-        if missing := [image for image in images if not (mesh.parent / image).is_file()]:
+        if missing := [image for image in images if not is_file(mesh.parent / image)]:
             raise FileError(f"names a texture that was not found, {missing[0]}", file=mesh)

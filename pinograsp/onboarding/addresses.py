@@ -98,17 +98,17 @@ def _holding(address: str, urdf: Path) -> tuple[str | None, Path] | None:
     for package, path in readings(address):
         if package is None:
             file = (urdf.parent / path).resolve()
-            if file.is_file():
+            if is_file(file):
                 return None, Path(os.path.commonpath([urdf.parent, file.parent]))
             continue
         above = list(urdf.parents)
         for folder in above:
-            if (folder / package / path).is_file():
+            if is_file(folder / package / path):
                 return None, folder
         beside = [inner for folder in above[:BESIDE] for inner in folders_in(folder)]
         ones = [folder for folder in (*above, *beside) if package_name(folder) == package]
         for folder in (*ones, *above):
-            if (folder / path).is_file():
+            if is_file(folder / path):
                 return package, folder
         if ones:  # not the file, but then what is to be done about that can be said
             return package, ones[0]

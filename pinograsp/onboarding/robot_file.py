@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..descriptions.composition import Attachment, UrdfPart
+from ..disk import is_file
 from ..words import in_words, number_of
 from .coupled import Coupled
 from .pad_text import HARD, SOFT, number, numbers, pad_lines, pad_names
@@ -172,4 +173,4 @@ def _stiffness(found: Parts) -> list[str]:
 def srdf_beside(urdf: Path) -> Path | None:
     """Return the SRDF with the name of a URDF in its folder, or in the folder `srdf` beside that."""
     places = (urdf.with_suffix(".srdf"), urdf.parent.parent / "srdf" / f"{urdf.stem}.srdf")
-    return next((place for place in places if place.is_file()), None)
+    return next((place for place in places if is_file(place)), None)

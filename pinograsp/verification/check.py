@@ -195,7 +195,7 @@ class Verifier:
             joints: every movable joint of the URDF by name, rad (m).
         """
         poses = self._kinematics.poses(joints)
-        return Certificate(tuple(self._clearances(poses, Placed(self._robot.meshes, poses))))
+        return Certificate(tuple(self._clearances(Placed(self._robot.meshes, poses))))
 
     def clearances(self, joints: Mapping[str, float]) -> tuple[PairClearance, ...]:
         """Return the distances below 50 mm of a posture, pair by pair, the least first.
@@ -206,7 +206,7 @@ class Verifier:
         poses = self._kinematics.poses(joints)
         placed = Placed(self._robot.meshes, poses)
         found = [
-            *wall_clearances(self._robot.moving, self._walls, poses),
+            *wall_clearances(self._robot.moving, self._walls, placed),
             *shape_clearances("obstacle clearance", self._obstacles, placed),
             *shape_clearances("object clearance", self._around_links, placed),
             *self._pad_clearances(placed),
@@ -223,7 +223,7 @@ class Verifier:
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
         placed = Placed(self._robot.meshes, poses)
-        figures = [*self._clearances(poses, placed), *self._object_clearances(placed), *self._statics(claim, poses)]
+        figures = [*self._clearances(placed), *self._object_clearances(placed), *self._statics(claim, poses)]
         figures += self._joints(claim.joints)
         arm = self._robot.arm
         figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
@@ -252,9 +252,9 @@ class Verifier:
             figures.append(ranges_figure(self._task.intervals, positions, self._robot.endless))
         return figures
 
-    def _clearances(self, poses: Poses, placed: Placed) -> list[Figure]:
+    def _clearances(self, placed: Placed) -> list[Figure]:
         margin = self._task.margin
-        figures = [enclosure_figure(self._robot.moving, self._walls, poses, margin.enclosure)]
+        figures = [enclosure_figure(self._robot.moving, self._walls, placed, margin.enclosure)]
         if self._obstacles:
             limit = margin.enclosure - 1e-6
             figures.append(shape_figure("obstacle clearance", self._obstacles, placed, limit))

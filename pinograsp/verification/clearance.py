@@ -32,6 +32,8 @@ CAP = 0.05
 
 _HULL_ERROR = 1e-5
 """More than the error of a distance of convex hulls, m."""
+_ROUNDING = 1e-12
+"""More than bounding spheres err by, m."""
 _REQUEST = coal.DistanceRequest()
 _REQUEST.enable_signed_distance = False  # depths of meshes mean nothing
 
@@ -87,18 +89,32 @@ class Surroundings:
         return pairs, apart.ravel()[found]
 
 
-def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses, margin: float) -> Figure:
+def enclosure_figure(meshes: Sequence[LinkMesh], walls: Walls, placed: Placed, margin: float) -> Figure:
     """Return the least signed distance of a mesh to a wall, m: that of a corner of the mesh's hull."""
-    normals = np.array([normal for normal, _ in walls.values()])
-    offsets = np.array([offset for _, offset in walls.values()])
+    names, bounds = list(walls), wall_bounds(meshes, walls, placed).ravel()
     least, where = math.inf, ""
-    for mesh in meshes:
-        T = poses[mesh.link]
-        heights = (mesh.hull @ (normals @ T[:3, :3]).T).min(axis=0) + normals @ T[:3, 3] - offsets
-        nearest = int(heights.argmin())
-        if heights[nearest] < least:
-            least, where = float(heights[nearest]), f"{mesh.link} / {list(walls)[nearest]}"
+    for number in np.argsort(bounds, kind="stable").tolist():
+        if bounds[number] >= least:
+            break
+        mesh, wall = meshes[number // len(names)], names[number % len(names)]
+        distance = wall_distance(mesh, *walls[wall], placed)
+        if distance < least:
+            least, where = distance, f"{mesh.link} / {wall}"
     return Figure("enclosure clearance", least, margin - 1e-6, "m", "at least", where)
+
+
+def wall_bounds(meshes: Sequence[LinkMesh], walls: Walls, placed: Placed) -> Array:
+    """Return lower bounds of the distances of meshes to walls, m, shape (meshes, walls): those of bounding spheres."""
+    normals = np.array([normal for normal, _ in walls.values()])
+    centers = np.array([placed.centers[mesh.link] for mesh in meshes])
+    least = np.array([offset for _, offset in walls.values()]) + np.array([[mesh.radius] for mesh in meshes])
+    return np.asarray(centers @ normals.T - least - _ROUNDING)
+
+
+def wall_distance(mesh: LinkMesh, inward: Array, offset: float, placed: Placed) -> float:
+    """Return the signed distance of a mesh to a wall, inside which inward . p >= offset, m."""
+    T = placed.poses[mesh.link]
+    return float((mesh.hull @ (inward @ T[:3, :3])).min() + inward @ T[:3, 3] - offset)
 
 
 def shape_figure(name: str, around: Surroundings, placed: Placed, limit: float) -> Figure:

@@ -15,6 +15,8 @@ from ..arrays import Array, Integers
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 
+NOTHING = (np.zeros((1, 3)), np.array([-1.0]))
+"""Planes of a hull inside of which nothing is."""
 VERSION = 2
 """Of what is kept; to be raised with every change of how a mesh is read or what is kept of it."""
 
@@ -68,8 +70,10 @@ class LinkMesh:
         normals, offsets = self.hull_faces
         low, high = self.hull.min(axis=0), self.hull.max(axis=0)
         near = points[((points >= low) & (points <= high)).all(axis=1)]
-        candidates = near[(near @ normals.T <= offsets).all(axis=1)]
-        return bool(len(candidates)) and bool((np.abs(self._winding.winding_number(candidates)) > 0.5).any())
+        if not len(near):
+            return False
+        wound = near[np.abs(self._winding.winding_number(near)) > 0.5]  # of few points the whole hull is looked at
+        return bool((wound @ normals.T <= offsets).all(axis=1).any())
 
     def opened(self, vertices: Array, faces: Integers) -> LinkMesh:
         """Return triangles that were cut out of the mesh; cut open, they enclose nothing.
@@ -87,7 +91,7 @@ class LinkMesh:
             vertices=corners,
             faces=numbers.reshape(-1, 3).astype(np.int64),
             hull=hull_corners(corners),
-            hull_faces=(np.zeros((1, 3)), np.array([-1.0])),
+            hull_faces=NOTHING,
             members=corners[:1],
             radius=float(np.linalg.norm(corners - self.center, axis=1).max()),
         )

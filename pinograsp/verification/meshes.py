@@ -16,9 +16,11 @@ from ..descriptions.composition import Composition
 from ..descriptions.mesh_files import mesh_bytes
 from ..descriptions.obj_indices import counted_from_first
 from ..errors import FileError, InputError
-from .link_mesh import LinkMesh, kept_mesh
+from .link_mesh import NOTHING, LinkMesh, kept_mesh
 
 _SECTIONS = 128
+_SHEET = 1e-6
+"""Thickness of a mesh, as a share of its extent, below which it encloses nothing."""
 
 
 def read_meshes(urdf: Any, robot: Composition) -> dict[str, LinkMesh]:
@@ -118,20 +120,31 @@ def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:
     mesh = trimesh.util.concatenate(parts)
     vertices = np.array(mesh.vertices, dtype=np.float64)
     faces = np.array(mesh.faces, dtype=np.int64)
-    hull = mesh.convex_hull
-    corners = np.array(hull.vertices, dtype=np.float64)
-    normals = np.array(hull.face_normals, dtype=np.float64)
+    if _is_sheet(vertices):  # both of its sides are outside
+        corners, planes = vertices, NOTHING
+    else:
+        hull = mesh.convex_hull
+        normals = np.array(hull.face_normals, dtype=np.float64)
+        corners, planes = hull.vertices, (normals, np.einsum("ij,ij->i", normals, hull.triangles_center))
+    corners = np.array(corners, dtype=np.float64)
     center = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return LinkMesh(
         link=link,
         vertices=vertices,
         faces=faces,
         hull=corners,
-        hull_faces=(normals, np.einsum("ij,ij->i", normals, hull.triangles_center)),
+        hull_faces=planes,
         members=_members(mesh),
         center=center,
         radius=float(np.linalg.norm(corners - center, axis=1).max()),
     )
+
+
+def _is_sheet(points: Array) -> bool:
+    """Whether points, shape (n, 3), lie in one plane."""
+    away = points - points.mean(axis=0)
+    lengths = np.ptp(away @ np.linalg.svd(away.T @ away)[0], axis=0)
+    return bool(lengths.min() <= _SHEET * lengths.max())
 
 
 def _members(mesh: Any) -> Array:

@@ -5,18 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from .certificate import PairClearance
-from .clearance import CAP, LinkPair, Placed, Surroundings, Walls, mesh_distance, part_distance
-from .kinematics import Poses
+from .clearance import (
+    CAP,
+    LinkPair,
+    Placed,
+    Surroundings,
+    Walls,
+    mesh_distance,
+    part_distance,
+    wall_bounds,
+    wall_distance,
+)
 from .link_mesh import LinkMesh
 
 
-def wall_clearances(meshes: Sequence[LinkMesh], walls: Walls, poses: Poses) -> Iterator[PairClearance]:
+def wall_clearances(meshes: Sequence[LinkMesh], walls: Walls, placed: Placed) -> Iterator[PairClearance]:
     """Yield the signed distances of links to walls that are below `CAP`."""
-    for mesh in meshes:
-        T = poses[mesh.link]
-        for wall, (inward, offset) in walls.items():
-            distance = float((mesh.hull @ (inward @ T[:3, :3])).min() + inward @ T[:3, 3] - offset)
-            if distance < CAP:
+    for mesh, bounds in zip(meshes, wall_bounds(meshes, walls, placed), strict=True):
+        for (wall, (inward, offset)), bound in zip(walls.items(), bounds, strict=True):
+            if bound < CAP and (distance := wall_distance(mesh, inward, offset, placed)) < CAP:
                 yield PairClearance("enclosure clearance", mesh.link, wall, distance)
 
 
