@@ -16,7 +16,7 @@ from pinograsp.descriptions.mesh_contact import SIGMAS
 from pinograsp.geometry.distance_field import DistanceField, distance_field, footprint_sigma
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_cache import mesh_field
-from pinograsp.geometry.field_kernels import LOOSE, field_distances, field_normals, nearest_points
+from pinograsp.geometry.field_kernels import field_distances, field_normals, near_enough, nearest_points
 from pinograsp.geometry.hulls import Hull
 from pinograsp.geometry.point_trees import deepest_point, point_trees
 
@@ -184,9 +184,16 @@ def test_the_nearest_of_many_points_is_found(name: str) -> None:
         for i, points in enumerate(sets):
             distances = field_distances(field, points @ rotations[i].T + translations[i])[0]
             true = min(distances.min(), caps[i])
-            assert true - 1e-9 < values[i] < true + LOOSE * abs(values[i] - least[i]) + 1e-9
+            assert near_enough(values[i], least[i]) - 1e-9 < true < values[i] + 1e-9
             if values[i] < caps[i]:
                 assert field_distances(field, nearest[i][None])[0][0] == pytest.approx(values[i], abs=1e-12)
+
+
+def test_distances_are_the_more_exact_the_nearer_they_are_to_what_is_wanted() -> None:
+    """A tenth of the difference, a fifth of 10 mm, and never more than four tenths of it."""
+    for apart, missed in ((0.0, 0.0), (0.0001, 0.0000101), (0.01, 0.002), (0.03, 0.012), (0.1, 0.04)):
+        for value, least in ((0.005, 0.005 - apart), (0.005 - apart, 0.005)):
+            assert value - near_enough(value, least) == pytest.approx(missed)
 
 
 def test_the_deepest_point_in_a_solid_is_found() -> None:

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
-LOOSE, LOOSER = 0.1, 10.0
-"""Part of its difference from the distance that is wanted by which one may be too large, and by how much this part
-grows with the difference, 1/m: exact where it counts."""
+LOOSE, LOOSER, LOOSEST = 0.1, 10.0, 0.4
+"""Part of its difference from the distance that is wanted by which one may be too large, by how much this part grows
+with the difference, 1/m, and the most of it: exact where it counts."""
 _DEPTH = 64
 
 
@@ -221,7 +221,7 @@ def nearest_points(
 ) -> tuple[Array, Array]:
     """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
 
-    It may be too large by up to LOOSE e + LOOSER e^2, with e its difference from the least distance that is wanted.
+    It may be too large, but no point has a distance below `near_enough` of it.
 
     Args:
         trees: the sets.
@@ -237,7 +237,7 @@ def nearest_points(
     for number in range(len(caps)):
         R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
         waiting[0], bounds[0] = trees.roots[number], -np.inf
-        count, enough = 1, _near_enough(values[number], least[number])
+        count, enough = 1, near_enough(values[number], least[number])
         while count:
             count -= 1
             if bounds[count] >= enough:
@@ -250,7 +250,7 @@ def nearest_points(
                         continue
                     value = _value_at(fine if _covers(fine, x, y, z) else coarse, x, y, z)
                     if value < values[number]:
-                        values[number], enough = value, _near_enough(value, least[number])
+                        values[number], enough = value, near_enough(value, least[number])
                         nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
                 continue
             x, y, z = _moved(R, t, trees.centers[first])
@@ -272,10 +272,10 @@ def nearest_points(
 
 
 @compiled
-def _near_enough(value: float, least: float) -> float:
+def near_enough(value: float, least: float) -> float:
     """Return the distance below which a point is still looked for where one at a distance `value` is known, m."""
     apart = abs(value - least)
-    return value - apart * (LOOSE + LOOSER * apart)
+    return value - apart * min(LOOSE + LOOSER * apart, LOOSEST)
 
 
 @compiled
