@@ -315,6 +315,12 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "range.off": (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "cannot be read as OFF"),
     "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
     "infinite.obj": (b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
+    "cut.ply": (
+        b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        b"element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        b"0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n",
+        "is cut off: its header announces 8 lines of numbers, and 6 follow",
+    ),
     "point.obj": (b"v 1 1 1\nf 1 1 1\n", "lies in one plane"),
 }
 

@@ -203,6 +203,10 @@ def test_an_object_that_is_too_wide_is_told_by_how_much(gen3: Robot, glovebox: S
         (Cone(bottom_radius=0.04, top_radius=0.0, height=0.08), "no two faces are opposite to each other"),
         (Box(size=(0.2, 0.0008, 0.0008)), "all opposite points are at edges"),
         (Box(size=(0.04, 0.04, 1e-5)), "too narrow by 0.2 mm: at most 0.0 mm"),
+        (
+            Box(size=(0.2, 0.2, 1.5e-4)),
+            "too narrow or too wide: 0.1 mm or less, 200.0 mm or more, and the pads",
+        ),
         (Sphere(radius=1e-5), "too narrow by 0.1 mm: at most 0.0 mm"),
         (Cylinder(radius=1e-5, height=0.03), "too narrow by 0.1 mm: at most 0.0 mm"),
     ],

@@ -162,7 +162,11 @@ def _digest(file: Path) -> str:
     try:
         return digest(content_of(file))
     except FileError as error:
-        raise wrong(f"{file} {error.problem}", "file", remedy="Relative addresses start at the scene file") from None
+        raise wrong(
+            f"{file} {error.problem}",
+            "file",
+            remedy="Relative addresses start at the scene file; in Python at the working folder",
+        ) from None
 
 
 def mesh_files(part: object, key: str = "") -> Iterator[tuple[str, MeshFile]]:

@@ -120,7 +120,20 @@ def _of_obj(content: bytes) -> MeshContent:
     return MeshContent(read.vertices, read.faces, 1.0, paint)
 
 
+def _require_whole_ply(content: bytes) -> None:
+    """Refuse the text of a PLY file that ends before all that its header announces: parsers take what is there."""
+    header, end, rest = content.partition(b"end_header")
+    if end and re.search(rb"^format\s+ascii\b", header, re.MULTILINE):
+        announced = sum(int(count) for count in re.findall(rb"^element\s+\S+\s+(\d+)", header, re.MULTILINE))
+        lines = sum(1 for line in rest.splitlines() if line.strip())
+        if lines < announced:
+            problem = f"is cut off: its header announces {announced} lines of numbers, and {lines} follow"
+            raise FileError(problem, remedy="Export it again")
+
+
 def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
+    if kind == "ply":
+        _require_whole_ply(content)
     # Bytes, so that nothing is read but what was hashed: no textures and buffers in other files.
     scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
     placed = [

@@ -255,7 +255,12 @@ class Proposals:
             problem = f"too narrow by {missing:.1f} mm: at most {most:.1f} mm, and the pads close to {closes:.1f} mm"
             return _Reason(problem, "Use a smaller gripper or a larger object")
         pairs = pairs.at(np.flatnonzero((widths >= narrowest) & (widths <= widest)))
-        if model.region is not None and len(pairs.points):
+        if not len(pairs.points):
+            thick, wide = 1e3 * widths[widths < narrowest].max(), 1e3 * widths[widths > widest].min()
+            jaw = f"the pads close to {1e3 * narrowest:.1f} mm and open to {1e3 * widest:.1f} mm"
+            problem = f"too narrow or too wide: {thick:.1f} mm or less, {wide:.1f} mm or more, and {jaw}"
+            return _Reason(problem, "Use another gripper or another object")
+        if model.region is not None:
             inside = model.region(pairs.points.reshape(-1, 3))[0].reshape(-1, 2) >= 0.0
             pairs = pairs.at(np.flatnonzero(inside.all(axis=1)))
         if not len(pairs.points):
