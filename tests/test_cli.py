@@ -20,7 +20,7 @@ from pinograsp.cli.folders import file_name
 from pinograsp.database import cache
 from pinograsp.descriptions import Scene, schema, shipped_robots, shipped_scenes
 from pinograsp.interrupts import held, watched
-from pinograsp.planning import session
+from pinograsp.planning import task_models
 from pinograsp.verification import Certificate, Figure
 
 ROBOT = shipped_robots()["gen3_2f85"].read_text()
@@ -296,7 +296,7 @@ def test_a_pose_that_cannot_be_is_found_before_robot_and_pieces_are_made(
     def made(*_: object) -> None:
         pytest.fail("pieces are made")
 
-    monkeypatch.setattr(session, "link_bodies", made)
+    monkeypatch.setattr(task_models, "link_bodies", made)
     options = ("--object-pose", "sphere", 0.8, 0.02, -0.5, 0, 0, 0)
     message = refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, *options))
     assert "objects.sphere.pose: the object 'sphere' is outside the enclosure: 300.3 mm beyond wall z=-0.237" in message

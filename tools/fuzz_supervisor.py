@@ -27,9 +27,13 @@ Work = Callable[[range, int], None]
 
 
 def resident(process: int) -> int:
-    """Return the memory that a process has now, bytes; 0 of one that has ended."""
+    """Return the memory that a process has now but for files, bytes; 0 of one that has ended.
+
+    Of files, such as libraries, a forked process has none mapped at first, however many its parent has.
+    """
     try:
-        return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+        pages = Path(f"/proc/{process}/statm").read_text().split()
+        return (int(pages[1]) - int(pages[2])) * os.sysconf("SC_PAGESIZE")
     except (OSError, IndexError):
         return 0
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -160,14 +159,9 @@ def _shown(given: object) -> str:
     return "nothing" if given is None else re.sub(r"\n\s*", " ", repr(given))
 
 
-@cache
-def _schema_of(model: type[BaseModel]) -> dict[str, Any]:
-    return model.model_json_schema()
-
-
 def _keys_in(model: type[BaseModel], path: KeyPath) -> list[str]:
     """Return the keys that the block at `path` may have; none of a block that cannot be there."""
-    schema = _schema_of(model)
+    schema = model.model_json_schema()  # not kept: shapes can be registered
 
     def meant(block: dict[str, Any]) -> dict[str, Any]:
         """Return the block behind references and the possibility to leave it out."""
