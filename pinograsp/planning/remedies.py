@@ -128,18 +128,16 @@ class _Search:
         """Return the remedy of a size or one a little larger that the longer plan verifies."""
         change = self._change
         self._trials.share(1)  # what is known to help is worth the time of what is not
-        try:
-            for factor in FURTHER:
-                larger = change.step * math.ceil(factor * size / change.step - 1e-6)
-                there = self._changed(variant, larger)
-                if there is None:
-                    return None
-                verified, tried = self._trials.sure(there)
-                if verified >= ENOUGH:
-                    amount, text = variant.amount(larger), variant.text(larger)
-                    return Remedy(change.kind, text, amount, change.unit, variant.changes(larger), verified, tried)
-        finally:
+        for factor in FURTHER:
+            larger = change.step * math.ceil(factor * size / change.step - 1e-6)
+            there = self._changed(variant, larger)
+            if there is None:
+                break
             self._unsure = True
+            verified, tried = self._trials.sure(there)
+            if verified >= ENOUGH:
+                amount, text = variant.amount(larger), variant.text(larger)
+                return Remedy(change.kind, text, amount, change.unit, variant.changes(larger), verified, tried)
         self._trials.share(self._parts)
         return None
 

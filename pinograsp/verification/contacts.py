@@ -16,7 +16,7 @@ from .certificate import Figure
 from .kinematics import Poses
 from .outlines import Rubber, half_sides, rubber_at
 from .patches import contact_face, nearest_on_patch, rim_distance
-from .regions import depth
+from .regions import depths
 from .shapes import PlacedShape
 
 REGION_TOLERANCE = 1e-9
@@ -153,8 +153,8 @@ def footprints(points: Array, normals: Array, pads: Pads, target: PlacedShape) -
 
 def region_figure(points: Array, region: Region, pads: Pads, target: PlacedShape) -> Figure:
     """Return how deep the least deep contact point is in the region where contact may be, m."""
-    depths = [depth(region, target.to_object(point)) for point in points]
-    return _least("contact region", depths, -REGION_TOLERANCE - target.limits.region, pads.names)
+    found = depths(region, np.array([target.to_object(point) for point in points]))
+    return _least("contact region", found.tolist(), -REGION_TOLERANCE - target.limits.region, pads.names)
 
 
 def footprint_figure(
