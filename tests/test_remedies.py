@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -278,6 +279,33 @@ def test_a_margin_is_made_as_little_smaller_as_helps(room: Scene, most: float, s
     assert lacking <= found.amount <= 1.26 * 1.1 * lacking
     assert (found.verified, found.tried) == (3, 5)
     assert at_margin(sure)(found.apply(room))
+
+
+@pytest.mark.parametrize("done", [1, 24, 1304])
+def test_a_scene_that_works_with_other_starts_is_not_changed(room: Scene, done: int) -> None:
+    told = Told(lambda scene: True, lambda scene: True)
+    (remedy,) = remedies(replace(failure_of(room, "contact gap"), done=done), cast(Trials, told), no_report)
+    assert isinstance(remedy, Remedy)
+    assert (remedy.kind, remedy.changes, remedy.verified, remedy.tried) == ("starts", {}, 3, 5)
+    assert remedy.amount == max(5, done)
+    assert remedy.text == f"plan with {max(5, done)} starts or more"
+    assert remedy.apply(room) == room
+
+
+def test_the_more_starts_have_failed_the_less_is_another_plan_worth(room: Scene) -> None:
+    """A short plan finds none: after many starts that is the end of it, and after none of them there is no scene."""
+    asked = list[Scene]()
+
+    def sure(scene: Scene) -> bool:
+        asked.append(scene)
+        return scene == room
+
+    for done, kinds in ((6, ["starts"]), (32, ["move object"]), (0, ["move object"])):
+        told = Told(lambda scene: scene != room and bool(scene.tasks), sure)
+        asked.clear()
+        failure = replace(failure_of(room, "approach"), done=done)
+        assert [found.kind for found in remedies(failure, cast(Trials, told), no_report)] == kinds
+        assert (room in asked) == (done == 6)
 
 
 def test_a_margin_that_does_not_help_at_all_costs_one_plan(room: Scene) -> None:

@@ -164,10 +164,12 @@ def margin_of(robot: Robot, enclosure: Enclosure) -> float:
     return next(margin for number, margin in enumerate(MARGINS) if room(robot, number) == enclosure)
 
 
-def planned(robot: Robot, scene: Scene, options: argparse.Namespace, seed: int, counts: Counter[str]) -> bool:
-    """Plan a scene, count refuted starts, and return whether there is a grasp."""
+def planned(
+    robot: Robot, scene: Scene, options: argparse.Namespace, seed: int, counts: Counter[str], starts: int = 0
+) -> bool:
+    """Plan a scene with so many starts at least, count refuted ones, and return whether there is a grasp."""
     with planner(robot, scene, options) as opened:
-        result = opened.plan("t", starts=options.starts, seed=seed)
+        result = opened.plan("t", starts=max(starts, options.starts), seed=seed)
     counts["refuted"] += result.refuted
     return bool(result.grasps)
 
@@ -197,7 +199,8 @@ def tried(robot: Robot, scene: Scene, options: argparse.Namespace, row: Row) -> 
         counts[remedy.kind] += 1
         with row.timed("apply"):
             try:
-                done = planned(robot, remedy.apply(scene), options, row.scene + OTHER, counts)
+                starts = int(remedy.amount) if remedy.kind == "starts" else 0
+                done = planned(robot, remedy.apply(scene), options, row.scene + OTHER, counts, starts)
                 reason = "no grasp"
             except pinograsp.InputError as error:
                 done, reason = False, str(error)

@@ -1,4 +1,4 @@
-"""The least changes that make a task work, found by short plans, and each verified by another one."""
+"""What makes a task work, found by short plans, and each verified by another one: more starts, or the least changes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..progress import Progress, Report
 from ..results.explanation import Remedy, Tried
 from .relaxations import suitable
 from .relaxations.variant import Change, Failure, Variant
-from .trials import ENOUGH, Trials
+from .trials import ENOUGH, SURE, Trials
 
 CLOSE = 0.1
 """Part of a size to which it is found."""
@@ -19,12 +19,17 @@ HALF = 0.6
 """Part of a size at which another way must help to be better."""
 FURTHER = (1.0, 1.25, 1.6, 2.2)
 """Factors of a size that are tried until the plan verifies it."""
+UNCHANGED = 4
+"""The scene as it is has this part of the time at most, 1 / 4."""
+PLENTY = 3.0
+"""Verified starts that a plan is to have by the share of them in another: one then has none in exp(-3), or 5 %."""
 
 
 def remedies(failure: Failure, trials: Trials, report: Report) -> Iterator[Remedy | Tried]:
     """Yield, for one change after the other, the least size of it that helps, or how far it was tried.
 
-    Every change has its part of the time, and what those before it have left of theirs.
+    Every change has its part of the time, and what those before it have left of theirs. Where other starts of the scene
+    as it is are verified, that is the only remedy: a change helps there, too, however small, and for no reason.
 
     Args:
         failure: what is to be mended.
@@ -32,10 +37,33 @@ def remedies(failure: Failure, trials: Trials, report: Report) -> Iterator[Remed
         report: called before every change.
     """
     changes = suitable(failure)
+    more = _more_starts(failure, trials) if failure.done else None
+    if more is not None:
+        yield more
+        return
     for number, change in enumerate(changes):
         report(Progress("remedies", number, len(changes)))
         parts = sum(other.share for other in changes[number:]) / change.share
         yield _Search(failure.scene, change, trials, parts).outcome()
+
+
+def _more_starts(failure: Failure, trials: Trials) -> Remedy | None:
+    """Return the number of starts with which the scene works as it is; None if no other start is verified.
+
+    A plan of few starts says little, so that another one follows. After one of many, a short plan has to find a grasp
+    first: it is sooner at its end.
+    """
+    trials.share(UNCHANGED)
+    try:
+        if failure.done >= SURE and not trials.helps(failure.scene):
+            return None
+        verified, tried = trials.sure(failure.scene)
+    except TimeoutError:
+        return None
+    if not verified:
+        return None
+    starts = max(math.ceil(PLENTY * tried / verified), failure.done)
+    return Remedy("starts", f"plan with {starts} starts or more", float(starts), "", {}, verified, tried)
 
 
 class _Search:

@@ -74,7 +74,7 @@ def explained(
         bodies = tuple(dict.fromkeys(cause.body for cause in found.causes if cause.body))
     if not (found.verified or found.interrupted):
         base = arm_reach(robot.mounted(scene.mounting.matrix))[0]
-        failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss)
+        failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss, found.done)
         kept, tried, ended = list[Remedy](), list[Tried](), False
         try:
             end = time.perf_counter() + deadline

@@ -38,19 +38,20 @@ class Cause(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Remedy(Record):
-    """A change of the scene that makes the task work, tried by planning again.
+    """A change of the scene, or a number of starts, that makes the task work, tried by planning again.
 
     It is no larger than it has to be, as far as the time allowed to find out.
     """
 
     kind: str
-    """Kind of the change: "move object", "move obstacle", "margin", "weight", "jaw", "region"."""
+    """Kind of the change: "move object", "move obstacle", "margin", "weight", "jaw", "region"; "starts": of none, the
+    task works with other starts, and `amount` says how many are enough."""
     text: str
     """In words, with figures and units."""
     amount: float
     """By how much, or for the weight to how much, in `unit`; rounded so that it is enough."""
     unit: str
-    """SI."""
+    """SI; empty for a number of starts."""
     changes: Mapping[str, Any]
     """New values by their place in the scene, a JSON array of keys, such as '["tasks", "can", "margin"]'. Those of a
     "jaw" make the object narrower by as much as the jaw would have to open wider: a hand is not the scene's to change.
