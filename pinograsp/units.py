@@ -23,6 +23,18 @@ def in_si(value: float, unit: str) -> tuple[float, str]:
     return scale * value, si
 
 
+def shown(value: float, unit: str, form: str = ".3g") -> str:
+    """Return a value with the unit in which it is shown, such as "31.2 mm".
+
+    A length that is infinite, as a distance or as what is lacking of one, is that of bodies that intersect to an
+    unknown depth.
+    """
+    if unit == "m" and math.isinf(value):
+        return "overlap"
+    scale, name = shown_in(unit)
+    return f"{scale * value:{form}} {name}".rstrip()
+
+
 def shown_in(unit: str) -> tuple[float, str]:
     """Return scale and name of the unit in which figures of a unit are shown."""
     return SHOWN_IN.get(unit, (1.0, unit))

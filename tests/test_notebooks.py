@@ -10,9 +10,24 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from pinograsp import Certificate, Contact, Cost, Figure, Grasp, PairClearance, Result, Robot, Scene, Setup
+from pinograsp import (
+    Cause,
+    Certificate,
+    Contact,
+    Cost,
+    Explanation,
+    Figure,
+    Grasp,
+    PairClearance,
+    Result,
+    Robot,
+    Scene,
+    Setup,
+)
 from pinograsp.results.configuration_check import ConfigurationCheck
 from pinograsp.results.criteria import CRITERIA
+from pinograsp.results.table import explanation_lines
+from pinograsp.visualization import explanation_tables
 
 FIGURES = (
     Figure("enclosure clearance", 0.0312, 0.005, "m", "at least", "forearm <-> wall"),
@@ -173,4 +188,11 @@ def test_no_colour_of_its_own(grasp: Grasp) -> None:
 def test_a_depth_that_is_not_known_is_an_overlap() -> None:
     figure = Figure("pad clearance", -math.inf, 0.0, "m", "at least", "left")
     assert figure.shown_value == "overlap"
+    least = next(criterion for criterion in CRITERIA if criterion.name == "clearance")
+    assert least.shown({"object clearance": -math.inf, "self clearance": 0.01}) == "overlap"
+    assert least.cell({"object clearance": -math.inf}) == "overlap"
+    assert least.shown({"object clearance": 0.01}) == "10.0 mm"
+    missed = Explanation(causes=(Cause("object clearance", 3, 1.0, math.inf, "m", "palm / ball", "ball"),), done=3)
+    assert "100 % object clearance: nearest miss overlap (palm / ball)" in explanation_lines(missed)
+    assert "overlap" in explanation_tables(missed)
     assert repr(Certificate((figure,))) == "<Certificate: refuted by pad clearance overlap (≥ 0 mm)>"

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, UnknownNameError, close_names
-from ..units import shown_in
+from ..units import shown, shown_in
 from .grasp import Grasp
 
 Numbers = dict[str, float]
@@ -70,13 +70,12 @@ class Criterion:
 
     def cell(self, numbers: Numbers) -> str:
         """Return the value of a grasp as tables show it; a dash where it has none."""
-        value = float(self.values([numbers])[0])
-        return "-" if math.isnan(value) else format(shown_in(self.unit)[0] * value, self.format)
+        return self.shown(numbers).removesuffix(self.shown_unit).rstrip()
 
     def shown(self, numbers: Numbers) -> str:
         """Return `cell` with its unit."""
-        cell = self.cell(numbers)
-        return cell if cell == "-" else f"{cell} {self.shown_unit}".rstrip()
+        value = float(self.values([numbers])[0])
+        return "-" if math.isnan(value) else shown(value, self.unit, self.format)
 
     @property
     def shown_unit(self) -> str:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from .. import notebook
-from ..units import shown_in
+from ..units import shown
 from ..verification.certificate import PairClearance
 from .configuration_check import ConfigurationCheck
 from .criteria import CRITERIA, Criterion, numbers_of
@@ -71,9 +69,7 @@ def check_html(check: ConfigurationCheck) -> str:
 
 def clearance_cells(pair: PairClearance) -> tuple[str, str, str, str]:
     """Return the cells of a distance; -inf is that of two that intersect to an unknown depth."""
-    scale, unit = shown_in("m")
-    distance = f"{scale * pair.distance:.1f} {unit}" if math.isfinite(pair.distance) else "overlap"
-    return pair.name, pair.link, pair.other, distance
+    return pair.name, pair.link, pair.other, shown(pair.distance, "m", "z.1f")
 
 
 def _contact_row(contact: Contact) -> str:

@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..tables import GAP, Table
-from ..units import shown_in
+from ..units import shown
 from ..verification.certificate import Figure, PairClearance, summary
 from .criteria import CRITERIA, criterion_of, numbers_of
 from .explanation import Cause, Explanation
 from .grasp import Contact, Grasp
 from .ranking import SCORE
-from .result import Result
+from .result import Blocked, Result
 
 ANGLE = 5
 """Characters of an angle in whole degrees, with the space before it."""
@@ -77,10 +77,10 @@ def _width(cell: str) -> int:
 
 def angle_lines(angles: Iterable[float], room: int) -> str:
     """Return angles in whole degrees, in as many lines of equal length as the room in a line makes necessary."""
-    shown = [f"{math.degrees(angle):{ANGLE}.0f}" for angle in angles]
-    lines = math.ceil(len(shown) / max(1, room // ANGLE))
-    length = math.ceil(len(shown) / lines)
-    return "\n".join("".join(shown[i : i + length]) for i in range(0, len(shown), length))
+    cells = [f"{math.degrees(angle):{ANGLE}.0f}" for angle in angles]
+    lines = math.ceil(len(cells) / max(1, room // ANGLE))
+    length = math.ceil(len(cells) / lines)
+    return "\n".join("".join(cells[i : i + length]) for i in range(0, len(cells), length))
 
 
 def figures_table(figures: Iterable[Figure], title: str = "") -> Table:
@@ -105,8 +105,8 @@ def clearances_table(clearances: Iterable[PairClearance], title: str = "") -> Ta
     table.numbers("mm")
     table.words("between", "kind")
     for pair in clearances:
-        distance = f"{1e3 * pair.distance:z.1f}" if math.isfinite(pair.distance) else "overlap"
-        table.add(distance, f"{pair.link} / {pair.other}", pair.name.removesuffix(" clearance"))
+        distance = shown(pair.distance, "m", "z.1f")
+        table.add(distance.removesuffix(" mm"), f"{pair.link} / {pair.other}", pair.name.removesuffix(" clearance"))
     return table
 
 
@@ -136,10 +136,7 @@ def outcome_lines(result: Result) -> list[str]:
     if result.refuted:
         lines.append(f"{_starts(result.refuted)} feasible for the solver, refuted by the independent check")
     for kind, blocked in sorted(result.blocked.items(), key=lambda item: -item[1].starts):
-        scale, unit = shown_in(blocked.unit)
-        miss = f"{scale * blocked.nearest_miss:.3g} {unit}".strip()
-        where = f" ({blocked.where})" if blocked.where else ""
-        lines.append(f"blocked by {kind}: {_starts(blocked.starts)}, nearest miss {miss}{where}")
+        lines.append(f"blocked by {kind}: {_starts(blocked.starts)}, nearest miss {_missed(blocked)}")
     return lines
 
 
@@ -166,9 +163,8 @@ def explanation_lines(explanation: Explanation) -> list[str]:
     return lines
 
 
-def _missed(cause: Cause) -> str:
-    scale, unit = shown_in(cause.unit)
-    miss = f"{scale * cause.nearest_miss:.3g} {unit}".strip()
+def _missed(cause: Blocked | Cause) -> str:
+    miss = shown(cause.nearest_miss, cause.unit)
     return f"{miss} ({cause.where})" if cause.where else miss
 
 

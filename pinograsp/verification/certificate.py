@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 from .. import notebook
 from ..frozen import Record, unknown
 from ..json_types import Null
-from ..units import shown_in
+from ..units import shown
 
 NAMED = 3
 """Figures that a representation names."""
@@ -58,18 +58,14 @@ class Figure(Record):
     @property
     def shown_value(self) -> str:
         """The value in the unit in which tables show it, such as "31.2 mm"; "overlap" where no exact depth is known."""
-        if self.unit == "m" and self.value == -math.inf:
-            return "overlap"
-        scale, unit = shown_in(self.unit)
-        return f"{scale * self.value:.3g} {unit}".rstrip()
+        return shown(self.value, self.unit)
 
     @property
     def shown_limit(self) -> str:
         """The limit in the unit in which tables show it, such as "≥ 5 mm"; empty if nothing limits the value."""
         if not math.isfinite(self.limit):
             return ""
-        scale, unit = shown_in(self.unit)
-        return f"{'≥' if self.sense == 'at least' else '≤'} {scale * self.limit:.2g} {unit}".rstrip()
+        return f"{'≥' if self.sense == 'at least' else '≤'} {shown(self.limit, self.unit, '.2g')}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

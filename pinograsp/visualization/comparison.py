@@ -6,12 +6,12 @@ from html import escape
 
 from ..results.configuration_check import ConfigurationCheck
 from ..results.criteria import CRITERIA, numbers_of
-from ..results.explanation import Cause, Explanation
+from ..results.explanation import Explanation
 from ..results.grasp import Grasp
 from ..results.html import clearance_cells, columns, grasp_rows
 from ..results.ranking import SCORE
 from ..results.result import Result
-from ..units import shown_in
+from ..units import shown
 from .rows import row
 
 DISTANCES = 10
@@ -47,17 +47,15 @@ def criteria_table(grasp: Grasp) -> str:
 
 def explanation_tables(explanation: Explanation) -> str:
     """Return the tables of causes and remedies."""
-    causes = [row(c.kind, f"{100.0 * c.share:.0f} %", _miss(c), note=c.where) for c in explanation.causes]
+    causes = [
+        row(cause.kind, f"{100.0 * cause.share:.0f} %", shown(cause.nearest_miss, cause.unit), note=cause.where)
+        for cause in explanation.causes
+    ]
     remedies = [row(r.text, f"{r.verified} of {r.tried}", note="starts verified then") for r in explanation.remedies]
     tried = [row(t.text, t.ending) for t in explanation.tried]
     kept, helps = "What kept starts from a grasp, nearest miss", "What would help"
     tables = ((kept, causes), (helps, remedies), ("What was tried besides", tried))
     return "".join(f"<table><caption>{name}</caption>{''.join(rows)}</table>" for name, rows in tables if rows)
-
-
-def _miss(cause: Cause) -> str:
-    scale, unit = shown_in(cause.unit)
-    return f"{scale * cause.nearest_miss:.3g} {unit}".strip()
 
 
 def clearance_table(check: ConfigurationCheck) -> str:
