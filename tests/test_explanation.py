@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import SceneFactory
+from conftest import TOY_ROBOT, RobotFactory, SceneFactory
 
 import pinograsp
 from pinograsp import (
@@ -125,6 +126,19 @@ def test_desired_contacts_that_parallel_pads_cannot_both_face_are_warned_of(toy:
     assert warnings[0].startswith(
         "the surface at the desired contacts is 90 ° from opposite, and the pads are parallel"
     )
+
+
+def test_pads_that_face_away_in_every_posture_of_the_hand_are_told_so(make_toy: RobotFactory, room: Scene) -> None:
+    """A warning where contacts are desired: other points might do; a refusal where pairs would have to be proposed."""
+    pads = copy.deepcopy(TOY_ROBOT["pads"])
+    for pad in pads:
+        pad["patch"]["normal"][0] *= -1.0
+    away, wanted = make_toy(pads=pads), "the two pads face each other in no posture of the hand that the task allows"
+    assert wanted in odd(away, room)
+    with pytest.raises(TaskError) as caught:
+        pinograsp.plan(away, room.with_task("ball", desired_contacts=None), "ball", starts=1, workers=1)
+    assert (caught.value.key, caught.value.problem) == ("tasks.ball.desired_contacts", wanted)
+    assert caught.value.remedy == "Give a desired contact for each pad"
 
 
 def test_a_plate_on_the_floor_has_no_faces_for_two_pads(toy: Robot, room: Scene) -> None:

@@ -11,14 +11,9 @@ from ..descriptions.patches import LinePatch, PlanePatch
 from ..geometry.patches import patch_point
 from .contacts import pad_poses
 from .forward import forward
-from .hand_posture import DIRECTION, synergy_postures
+from .hand_posture import DIRECTION, FACING, PASSED, synergy_postures
 from .robot import Robot
 from .wrist import wrist_pose
-
-FACING = 0.99
-"""Cosine of the angle up to which flat pads count as facing each other."""
-OVERLAP = 0.001
-"""How far pads of a closed hand may have passed each other, m."""
 
 
 class Grips(NamedTuple):
@@ -73,5 +68,5 @@ def grips(robot: Robot, lower: Array, upper: Array) -> Grips:
     found = Grips(np.array(tried), pads, points, normals)
     flat = all(isinstance(pad.patch, PlanePatch | LinePatch) for pad in robot.pads)
     kept = (normals[:, 0] * normals[:, 1]).sum(axis=1) < (-FACING if flat else 0.0)
-    kept &= found.widths > -OVERLAP  # fingers that have passed each other face away
+    kept &= found.widths > -PASSED  # fingers that have passed each other face away
     return found.at(np.flatnonzero(kept))

@@ -23,7 +23,10 @@ DRAWS = 1000
 """Random postures that are tried of a hand of more than two synergies, for which a grid has too many."""
 DIRECTION = 0.02
 """Weight of a pad that points the wrong way, m per rad."""
-
+FACING = 0.99
+"""Cosine of the angle up to which flat pads count as facing each other."""
+PASSED = 0.001
+"""How far pads of a closed hand may have passed each other, m; beyond that they face away."""
 
 Allowed = Callable[[Array], bool]
 
@@ -75,9 +78,10 @@ def widest_jaw(robot: Robot) -> float | None:
     flat = [i for i, pad in enumerate(robot.pads) if isinstance(pad.patch, PlanePatch | LinePatch)]
     for _, pads in synergy_postures(robot) if len(flat) > 1 else ():
         for i, j in itertools.combinations(flat, 2):
-            if pads.normals[i] @ pads.normals[j] < -0.99:
+            if pads.normals[i] @ pads.normals[j] < -FACING:
                 gap = float((pads.points[j] - pads.points[i]) @ pads.normals[i])
-                widest = gap if widest is None else max(widest, gap)
+                if gap > -PASSED:
+                    widest = gap if widest is None else max(widest, gap)
     return widest
 
 
