@@ -345,12 +345,30 @@ def test_a_database_that_is_open_here(small: Path, gen3: Any, glovebox: Any) -> 
         Database.open(small),
         pytest.raises(pinograsp.FileError, match=r"open in this process for reading. Close it first"),
     ):
-        build_database(gen3, glovebox, small, size=10)
+        build_database(gen3, glovebox, small, size=10**6)
     with (
         Database.open(small, read_only=False),
         pytest.raises(pinograsp.FileError, match=r"open in this process for writing. Close it first"),
     ):
         Database.open(small)
+
+
+def test_what_is_complete_is_not_built_and_others_may_read_it(small: Path, gen3: Any, glovebox: Any) -> None:
+    reading = "import duckdb, sys; c = duckdb.connect(sys.argv[1], read_only=True); print('open', flush=True); input()"
+    reader = subprocess.Popen(
+        [sys.executable, "-c", reading, str(small)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert reader.stdin is not None and reader.stdout is not None
+    try:
+        assert reader.stdout.readline() == "open\n"
+        before = small.stat().st_mtime_ns
+        with build_database(gen3, glovebox, small, size=SIZE, wait=True) as database:
+            assert database.rows() >= SIZE
+        assert small.stat().st_mtime_ns == before
+        with pytest.raises(pinograsp.FileError, match="in use by another process"):
+            build_database(gen3, glovebox, small, size=10**6)
+    finally:
+        reader.communicate("\n")
 
 
 def test_one_builder_at_a_time(small: Path, gen3: Any, glovebox: Any) -> None:

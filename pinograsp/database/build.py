@@ -24,7 +24,6 @@ from ..descriptions.task import Margins
 from ..disk import as_path, is_there
 from ..errors import (
     DatabaseMismatchError,
-    InputError,
     UnknownNameError,
     close_names,
     require_kind,
@@ -111,8 +110,9 @@ def build_database(
     link_bodies(robot, progress)
     with held(), interruptible(), building(path, wait=wait), processes as pool:
         with writing(path):
-            _open(path, identity, seed, spread).close()
+            _make(path, identity, seed, spread)
         while missing := _missing_batches(path, size):
+            Database.open(path, read_only=False).close()  # refused before the work if somebody reads it
             _add(path, pool.run(prepare, missing, chunk=1), pace)
         with writing(path):
             _finish(path, size, pace)
@@ -154,22 +154,18 @@ class _Pace:
         self._report(Progress("sorting", 0, rows))
 
 
-def _open(path: Path, identity: Identity, seed: int, spread: Spread) -> Database:
-    """Open the database for writing, or make it; refuse one made otherwise."""
+def _make(path: Path, identity: Identity, seed: int, spread: Spread) -> None:
+    """Make the database if it is not there; refuse one made otherwise. Others may read what is complete."""
     if not is_there(path):
         facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
-        return create(path, identity, facts)
-    database = Database.open(path, read_only=False)
-    try:
+        create(path, identity, facts).close()
+        return
+    with Database.open(path) as database:
         require_identity(database, identity)
         found = database.metadata()
-        for key, wanted in (("seed", seed), ("spread", spread)):
-            if found[key] != wanted:
-                raise DatabaseMismatchError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
-    except InputError:
-        database.close()
-        raise
-    return database
+    for key, wanted in (("seed", seed), ("spread", spread)):
+        if found[key] != wanted:
+            raise DatabaseMismatchError(f"was made with {key} {found[key]!r}, not {wanted!r}", file=path, key=key)
 
 
 def _versions() -> dict[str, str]:
@@ -218,10 +214,11 @@ def _insert(database: Database, batch: Batch) -> None:
 
 def _finish(path: Path, size: int, pace: _Pace) -> None:
     """Write the rows that `size` needs, sorted, to a new file in the place of the old one; or leave that as it is."""
+    with Database.open(path) as database:
+        if database.metadata()["layout"] == "sorted":
+            return
     with aside(path, ".sorting") as sorting:
         with Database.open(path, read_only=False) as database:
-            if database.metadata()["layout"] == "sorted":
-                return
             accepted = dict(database.select("SELECT batch, accepted FROM batches"))
             needed = _needed(accepted, size)
             if needed is None:
