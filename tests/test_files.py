@@ -26,8 +26,8 @@ from pinograsp.cache_folder import cache_folder, cache_folders, in_cache
 from pinograsp.database import cache as cache_module
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
+from pinograsp.database.files import create, writing
 from pinograsp.database.identity import Identity
-from pinograsp.database.store import create, writing
 from pinograsp.disk import write_whole
 
 Kind = Callable[[Path], str | Path]
@@ -40,7 +40,7 @@ def database(gen3: Robot, glovebox: Scene, tmp_path: Path) -> Path:
     """A database without rows."""
     file = tmp_path / "empty.duckdb"
     facts = {"seed": 0, "spread": "joints", "layout": "unsorted", "size": 0, "versions": {}}
-    create(file, Identity.of(gen3, glovebox, Margins()), facts).close()
+    create(file, Identity.of(gen3, glovebox, Margins()), facts)
     return file
 
 
@@ -93,7 +93,8 @@ def builds(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
         files.append(file)
         facts = {"seed": 0, "spread": "joints", "layout": "sorted", "size": 0, "versions": {}}
         with writing(file):
-            return create(file, Identity.of(robot, scene, margins), facts)
+            create(file, Identity.of(robot, scene, margins), facts)
+        return Database.open(file)
 
     monkeypatch.setattr(cache_module, "build_database", build)
     made: list[TemporaryDirectory[str]] = []

@@ -18,8 +18,9 @@ from fuzz_mutations import mutate_bytes, mutate_tree
 from fuzz_sources import SOURCES, content_of, sources
 from pinograsp.array_cache import kept
 from pinograsp.cache_folder import cache_folders
+from pinograsp.database.layout import columns
 from pinograsp.database.query import configurations_near, spread_configurations
-from pinograsp.database.store import Database, columns
+from pinograsp.database.store import Database
 from pinograsp.results.encoding import encode
 from pinograsp.results.table import grasp_table, outcome_lines
 

@@ -34,22 +34,13 @@ from ..execution import own_workers
 from ..interrupts import held
 from ..kinematics.robot import Robot
 from ..progress import Progress, Report, no_report
+from .files import aside, create, writing
 from .identity import Identity
+from .layout import columns, create_tables, literal
 from .lock import building
 from .sampling import DRAWS, Batch, BatchSampler
 from .spread import Spread
-from .store import (
-    Database,
-    aside,
-    columns,
-    create,
-    create_tables,
-    interruptible,
-    literal,
-    require_identity,
-    set_metadata,
-    writing,
-)
+from .store import Database, interruptible, require_identity, set_metadata
 
 HOPELESS = 8
 """Batches without a single free configuration after which a build ends with none."""
@@ -158,7 +149,7 @@ def _make(path: Path, identity: Identity, seed: int, spread: Spread) -> None:
     """Make the database if it is not there; refuse one made otherwise. Others may read what is complete."""
     if not is_there(path):
         facts = {"seed": seed, "spread": spread, "layout": "unsorted", "size": 0, "versions": _versions()}
-        create(path, identity, facts).close()
+        create(path, identity, facts)
         return
     with Database.open(path) as database:
         require_identity(database, identity)

@@ -1,8 +1,4 @@
-"""The DuckDB file.
-
-    configurations   one row a collision-free arm configuration (columns: see `columns`)
-    batches          batch, drawn, accepted: which batches of samples the rows come from
-    metadata         key and value (JSON): format, identity, seed, spread, layout, size, versions
+"""The DuckDB file, opened.
 
 The file can be opened at any time. While it is being built its rows are unsorted (layout "unsorted"); a complete
 one is stored in the order of a space-filling curve of the wrist position (layout "sorted").
@@ -16,71 +12,31 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import duckdb
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from ..descriptions.problems import input_error
 from ..disk import as_path, is_file, is_folder, reason_of, written_whole
-from ..errors import DamagedError, DatabaseMismatchError, FileError, UnwritableError
+from ..errors import DamagedError, DatabaseMismatchError, FileError
 from ..interrupts import heard
-from .identity import Identity, IdentityContent
-from .spread import Spread
+from .files import writing
+from .identity import Identity
+from .layout import COLUMNS, columns, identifier, literal, require_layout
 
 Answer = TypeVar("Answer")
 
-FORMAT = 1
-APPLICATION = "pinograsp start database"
 AGAIN = 0.02
 """Seconds after which a query that has not ended is told so again: it may not have begun when it was told."""
 
 
-def columns(joints: int) -> dict[str, str]:
-    """Return the columns of `configurations` with their SQL types.
-
-    q1 .. ql: arm joints in the order of the robot file, rad (m); x, y, z: wrist position, m, world; ax, ay, az:
-    approach direction (the wrist's z axis), world; clearance: least distance to walls, obstacles and itself, m,
-    at most 0.05; cell: Morton index of the wrist position; sample: number of the random sample.
-    """
-    angles = {f"q{i}": "FLOAT" for i in range(1, joints + 1)}
-    vectors = dict.fromkeys(("x", "y", "z", "ax", "ay", "az", "clearance"), "FLOAT")
-    return {**angles, **vectors, "cell": "UINTEGER", "sample": "BIGINT"}
-
-
-METADATA = {"key": "VARCHAR", "value": "VARCHAR"}
-"""Columns of `metadata` with their SQL types."""
-BATCHES = dict.fromkeys(("batch", "drawn", "accepted"), "INTEGER")
-"""Columns of `batches` with their SQL types."""
 LIMITS: dict[str, str | bool | int | float | list[str]] = {"memory_limit": "2GB"}
 """Settings of every connection."""
 CLOSED: dict[str, str | bool | int | float | list[str]] = {**LIMITS, "enable_external_access": "false"}
 """Settings of connections to files that anybody may have made: nothing that is in them reads or writes another file."""
 DAMAGED = "is damaged or not a DuckDB file; it was left as it is"
 NOT_FINITE = "is damaged: there is a row with a number that is missing or not finite"
-_COLUMNS = """
-    SELECT table_name, column_name, data_type || coalesce(' ' || column_default, '')
-    FROM duckdb_columns() WHERE NOT internal AND database_name = current_database()
-    UNION ALL SELECT view_name, '', 'VIEW' FROM duckdb_views() WHERE NOT internal
-    UNION ALL SELECT function_name, '', 'MACRO' FROM duckdb_functions() WHERE NOT internal
-"""
-
-
-class Metadata(BaseModel):
-    """The content of `metadata`."""
-
-    model_config = ConfigDict(strict=True, extra="forbid")
-
-    application: Literal["pinograsp start database"]
-    format: Literal[1]
-    identity: IdentityContent
-    seed: Annotated[int, Field(ge=0)]
-    spread: Spread
-    layout: Literal["sorted", "unsorted"]
-    size: Annotated[int, Field(ge=0)]
-    versions: dict[str, str]
 
 
 class Database:
@@ -124,40 +80,15 @@ class Database:
             raise FileError(f"is open in this process {mode}", file=path, remedy="Close it first") from None
         except duckdb.Error:
             raise DamagedError(DAMAGED, file=path) from None
-        database = cls(path, connection)
+        database, tables = cls(path, connection), dict[str, dict[str, str]]()
         try:
-            database._require_layout()
+            for table, column, kind in database.select(COLUMNS):
+                tables.setdefault(table, {})[column] = kind
+            require_layout(path, tables, database.metadata)
         except FileError:
             database.close()
             raise
         return database
-
-    def _require_layout(self) -> None:
-        """Refuse a file with other tables, columns or metadata than `create` makes.
-
-        Raises:
-            DamagedError: it is none of ours, or damaged.
-        """
-        tables: dict[str, dict[str, str]] = {}
-        for table, column, kind in self.select(_COLUMNS):
-            tables.setdefault(table, {})[column] = kind
-        problem, remedy = f"is a DuckDB file, but not a {APPLICATION}", "Name another file"
-        if tables.get("metadata") != METADATA:
-            raise DamagedError(f"{problem}; it was left as it is", file=self.file, remedy=remedy)
-        found = self.metadata()
-        if found.get("application") != APPLICATION or found.get("format") != FORMAT:
-            problem = f"is not a {APPLICATION} of format {FORMAT}"
-            raise DamagedError(f"{problem}; it was left as it is", file=self.file, remedy=remedy)
-        try:
-            facts = Metadata.model_validate(found)
-        except ValidationError as error:
-            wrong = input_error(error, Metadata, found)
-            raise DamagedError(f"is damaged: metadata: {wrong.problem}", file=self.file, key=wrong.key) from None
-        wanted = {"configurations": columns(len(facts.identity.robot.joints)), "batches": BATCHES, "metadata": METADATA}
-        if tables != wanted:
-            different = [name for name in wanted | tables if wanted.get(name) != tables.get(name)]
-            problem = f"is damaged: other tables or columns than those of a {APPLICATION}: {', '.join(different)}"
-            raise DamagedError(problem, file=self.file)
 
     def require_sound(self) -> None:
         """Read every row, and refuse a number that is missing or not finite.
@@ -287,16 +218,6 @@ class Database:
             Database(path, writer).run(lambda: writer.execute(copy))
 
 
-def identifier(name: str) -> str:
-    """Return a name as an identifier of SQL, whatever is in it."""
-    return '"' + name.replace('"', '""') + '"'
-
-
-def literal(text: Path | str) -> str:
-    """Return a text as a literal of SQL, whatever is in it."""
-    return "'" + str(text).replace("'", "''") + "'"
-
-
 def _begins_as_duckdb(file: Path) -> bool:
     """Return whether a file has the mark of DuckDB's format, "DUCK" after a check sum of 8 bytes.
 
@@ -321,68 +242,6 @@ def interruptible() -> Iterator[None]:
         if str(error) != "Query interrupted":
             raise
         raise KeyboardInterrupt from None
-
-
-@contextmanager
-def writing(file: Path) -> Iterator[None]:
-    """Say in words what DuckDB, or the system, cannot write in the block.
-
-    Raises:
-        UnwritableError: as where the disk is full.
-    """
-    try:
-        yield
-    except (duckdb.IOException, duckdb.FatalException, duckdb.TransactionException, OSError) as error:
-        said = reason_of(error) if isinstance(error, OSError) else str(error).strip().splitlines()[0].lower()
-        reason = next((known for known in ("no space left on device", "file too large") if known in said), said)
-        raise UnwritableError(f"cannot be written: {reason}", file=file, remedy="Check the folder") from None
-
-
-def create_tables(connection: duckdb.DuckDBPyConnection, joints: int, catalog: str = "") -> None:
-    """Create the three tables, in an attached catalog if one is named (`name.`)."""
-    listed = ", ".join(f"{name} {kind}" for name, kind in columns(joints).items())
-    connection.execute(f"CREATE TABLE {catalog}configurations ({listed})")
-    for table, parts in (("batches", BATCHES), ("metadata", METADATA)):
-        (key, kind), *others = parts.items()
-        listed = ", ".join((f"{key} {kind} PRIMARY KEY", *(f"{name} {other}" for name, other in others)))
-        connection.execute(f"CREATE TABLE {catalog}{table} ({listed})")
-
-
-@contextmanager
-def aside(file: Path, suffix: str) -> Iterator[Path]:
-    """Give a path beside a database for a new one; what a failure leaves there is removed."""
-    path = file.with_name(file.name + suffix)
-    parts = (path, path.with_name(path.name + ".wal"))
-
-    def remove() -> None:
-        for part in parts:
-            part.unlink(missing_ok=True)
-
-    remove()
-    try:
-        yield path
-    finally:
-        remove()
-
-
-def create(file: Path, identity: Identity, facts: dict[str, Any]) -> Database:
-    """Make a new, empty database; it appears whole or not at all.
-
-    Args:
-        file: the database; its folder is made.
-        identity: what it belongs to.
-        facts: further metadata, data for JSON.
-    """
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with aside(file, ".partial") as partial:
-        with duckdb.connect(str(partial)) as connection:
-            create_tables(connection, len(identity.robot["joints"]))
-            facts = {"application": APPLICATION, "format": FORMAT, **facts}
-            rows = [(key, json.dumps(value)) for key, value in facts.items()]
-            rows.append(("identity", identity.to_json()))
-            connection.executemany("INSERT INTO metadata VALUES (?, ?)", rows)
-        partial.replace(file)
-    return Database.open(file, read_only=False)
 
 
 def set_metadata(database: Database, key: str, value: Any) -> None:
