@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import fcntl
 import importlib.util
 import json
@@ -415,6 +416,7 @@ def test_an_input_that_hangs_or_grows_is_killed(tmp_path: Path, monkeypatch: pyt
                 kept = [np.ones(2**26)]
                 time.sleep(1e6 * len(kept))
             elif number == 4:
+                faulthandler.disable()  # it is on purpose
                 os.kill(os.getpid(), signal.SIGSEGV)
             os.write(pipe, f"{number} used\n".encode())
 
