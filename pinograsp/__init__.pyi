@@ -14,6 +14,9 @@ from .database.query import Configurations as Configurations
 from .database.query import configurations_near as configurations_near
 from .database.query import spread_configurations as spread_configurations
 from .database.store import Database as Database
+from .descriptions.bodies import Body as Body
+from .descriptions.bodies import Object as Object
+from .descriptions.enclosure import Enclosure as Enclosure
 from .descriptions.hand import HardFinger as HardFinger
 from .descriptions.hand import SoftFinger as SoftFinger
 from .descriptions.load import load_scene as load_scene
@@ -31,9 +34,6 @@ from .descriptions.regions import Outside as Outside
 from .descriptions.regions import Painted as Painted
 from .descriptions.regions import Sector as Sector
 from .descriptions.robot import RobotDescription as RobotDescription
-from .descriptions.scene import Body as Body
-from .descriptions.scene import Enclosure as Enclosure
-from .descriptions.scene import Object as Object
 from .descriptions.scene import Scene as Scene
 from .descriptions.schema import schema as schema
 from .descriptions.shapes import Box as Box

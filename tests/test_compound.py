@@ -16,7 +16,7 @@ from pinograsp import Box, Capsule, Compound, Cone, Cylinder, InputError, Object
 from pinograsp.collision.pairs import PAD_CLEARANCE, PAD_MARGIN
 from pinograsp.collision.solids import distance_request, scene_body
 from pinograsp.descriptions import Scene, schema
-from pinograsp.descriptions.scene import Body
+from pinograsp.descriptions.bodies import Body
 from pinograsp.geometry.contact_faces import Flat, Ruling, Spot, edge_distance
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.hold.objects import object_body

@@ -34,7 +34,7 @@ from pinograsp.database.lock import building
 from pinograsp.database.query import Configurations, configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
 from pinograsp.database.store import Database, interruptible
-from pinograsp.descriptions.scene import Enclosure
+from pinograsp.descriptions.enclosure import Enclosure
 from pinograsp.descriptions.task import Margins
 from pinograsp.errors import InputError
 from pinograsp.frozen import json_data

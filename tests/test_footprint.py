@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from test_regions import READ, REGIONS
 
+from pinograsp.descriptions.bodies import Body
 from pinograsp.descriptions.patches import Patch
-from pinograsp.descriptions.scene import Body
 from pinograsp.verification.footprint import footprint, thinned
 from pinograsp.verification.patches import contact_face, rim_distance
 from pinograsp.verification.region_depth import RESOLUTION, least_depth

@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 from test_verification import ROOM, Case, names, scene_with
 
 from pinograsp.descriptions import Scene, load_robot_description
+from pinograsp.descriptions.bodies import Body
 from pinograsp.descriptions.hand import HardFinger, PadDescription
 from pinograsp.descriptions.patches import Patch
 from pinograsp.descriptions.regions import Near
-from pinograsp.descriptions.scene import Body
 from pinograsp.descriptions.shapes import Compound, Mesh
 from pinograsp.errors import FileError
 from pinograsp.verification import Certificate

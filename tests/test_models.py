@@ -30,7 +30,7 @@ from pinograsp.collision.batch_clearance import CAP, BatchClearance
 from pinograsp.collision.distances import REACH, CollisionModel
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.descriptions import Scene
-from pinograsp.descriptions.scene import Pose
+from pinograsp.descriptions.pose import Pose
 from pinograsp.descriptions.shapes import Box, Cylinder, Shape, Sphere
 from pinograsp.descriptions.task import Margins
 from pinograsp.geometry.shapes import surface_of

@@ -19,8 +19,8 @@ from trimesh.transformations import rotation_matrix, translation_matrix
 
 import pinograsp
 from pinograsp.database.identity import Identity
+from pinograsp.descriptions.bodies import Body, Object
 from pinograsp.descriptions.mesh_files import CONTENT, metres_in_unit
-from pinograsp.descriptions.scene import Body, Object
 from pinograsp.descriptions.shapes import Mesh
 from pinograsp.disk import digest_of
 from pinograsp.errors import FileError, InputError

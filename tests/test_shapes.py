@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 import pinograsp
 from pinograsp.collision.solids import distance_request, scene_body
 from pinograsp.descriptions import schema
-from pinograsp.descriptions.scene import Body
+from pinograsp.descriptions.bodies import Body
 from pinograsp.descriptions.shapes import (
     SHAPES,
     Box,

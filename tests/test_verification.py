@@ -16,8 +16,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from pinograsp.descriptions import Scene, load_robot_description, load_scene
+from pinograsp.descriptions.bodies import Body
 from pinograsp.descriptions.robot import RobotDescription
-from pinograsp.descriptions.scene import Body
 from pinograsp.errors import InputError
 from pinograsp.kinematics.robot import Robot
 from pinograsp.verification import Certificate, Claim, Figure

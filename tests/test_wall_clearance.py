@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from pinograsp.arrays import Array
-from pinograsp.descriptions.scene import Enclosure
+from pinograsp.descriptions.enclosure import Enclosure
 from pinograsp.verification import clearance
 from pinograsp.verification.clearance import CAP, Placed, enclosure_figure
 from pinograsp.verification.link_mesh import LinkMesh

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..descriptions import Scene, Task
-from ..descriptions.scene import Object
+from ..descriptions.bodies import Object
 from ..descriptions.task import Margins
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot

@@ -15,8 +15,8 @@ import coal
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.scene import Body as BodyDescription
-from ..descriptions.scene import Enclosure
+from ..descriptions.bodies import Body as BodyDescription
+from ..descriptions.enclosure import Enclosure
 from ..geometry.convex_solid import IDENTITY, convex_solid
 from ..geometry.cover_cache import mesh_cover
 from ..geometry.mesh_file import meshes_of

@@ -8,23 +8,22 @@ from __future__ import annotations
 import json
 import reprlib
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
-from ..arrays import Array, Rows
+from ..arrays import Rows
 from ..disk import digest
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
-from ..frozen import FrozenMapping, frozen
+from .bodies import Body, Object
+from .enclosure import Enclosure
 from .mesh_files import CONTENT, content_hashes
 from .model import FileRoot, Frozen
 from .pose import Pose
 from .problems import INTERNAL, refuse_internal
 from .regions import Region, on_object
 from .scene_html import scene_html
-from .shapes import Shape
 from .task import Task, Wrench
 from .values import (
     ABSENT,
@@ -33,8 +32,6 @@ from .values import (
     FilePath,
     Format1,
     Name,
-    OptionalVector3,
-    Positive,
     Table,
     Vector3,
     as_default,
@@ -48,62 +45,6 @@ STANDARD_GRAVITY = 9.80665
 """On Earth, m/s^2."""
 DOWN = (0.0, 0.0, -STANDARD_GRAVITY)
 """Gravity of a scene that says nothing else, m/s^2, world."""
-
-
-class Enclosure(Frozen):
-    """The inside of a box-shaped room, m, edges along the world axes; its six walls are half-spaces."""
-
-    min: Vector3
-    """Corner of the least coordinates, m, world."""
-    max: Vector3
-    """Corner of the greatest coordinates, m, world."""
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Enclosure:
-        for axis, letter in enumerate("xyz"):
-            if self.min[axis] >= self.max[axis]:
-                raise wrong(f"min {self.min[axis]:g} is not below max {self.max[axis]:g} along {letter}", "min", axis)
-        return self
-
-    @cached_property
-    def walls(self) -> Mapping[str, tuple[Array, float]]:
-        """Name to (inward normal n, shape (3,), and offset d, m): the inside is n . p >= d, world."""
-        walls: dict[str, tuple[Array, float]] = {}
-        for axis, letter in enumerate("xyz"):
-            inward = np.eye(3)[axis]
-            walls[f"wall {letter}={self.min[axis]:g}"] = (inward, self.min[axis])
-            walls[f"wall {letter}={self.max[axis]:g}"] = (-inward, -self.max[axis])
-        return FrozenMapping(walls)
-
-
-class Body(Frozen):
-    """A shape at a pose: an obstacle or an object."""
-
-    shape: Shape
-    """In its own frame, m."""
-    pose: Pose = Pose()
-    """Of the shape's frame in the world, m and rad."""
-
-
-class Object(Body):
-    """Something to grasp; in the tasks of other objects it is an obstacle."""
-
-    center_of_mass: OptionalVector3 = as_default(None)
-    """In the object's frame, m; by default that of its shape, filled evenly."""
-    mass: Positive | None = None
-    """kg; by default what a task's external force weighs in the gravity of the scene."""
-
-    @cached_property
-    def center_of_mass_object(self) -> Array:
-        """Centre of mass in the object's frame, m, shape (3,); read-only."""
-        given = self.center_of_mass
-        return np.asarray(frozen(np.array(self.shape.centroid if given is None else given)))
-
-    @cached_property
-    def center_of_mass_world(self) -> Array:
-        """Centre of mass in the world, m, shape (3,); read-only."""
-        T = self.pose.matrix
-        return np.asarray(frozen(T[:3, :3] @ self.center_of_mass_object + T[:3, 3]))
 
 
 class Scene(FileRoot):

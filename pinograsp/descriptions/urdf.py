@@ -15,15 +15,14 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from xml.parsers import expat
 
-from ..disk import content_of
 from ..errors import FileError, InputError, UnknownNameError, close_names
 from .composition import Attachment, Composition, UrdfPart
 from .held_joints import hold
 from .locate import not_found, package_folders, resolve
 from .urdf_checks import LIMITED, check_joints, check_tree, has_numbers, is_color, number
 from .urdf_repairs import repair, show_as_collision
+from .urdf_xml import carried, keep_links, names_of, parse, put_prefix, root_of
 
 Pairs = dict[frozenset[str], frozenset[str]]
 
@@ -65,12 +64,12 @@ class RobotUrdf:
     @property
     def links(self) -> tuple[str, ...]:
         """Names of the links."""
-        return tuple(_names(self.tree, "link"))
+        return tuple(names_of(self.tree, "link"))
 
     @property
     def root(self) -> str:
         """Name of the link that has no parent."""
-        return _root_of(self.tree)
+        return root_of(self.tree)
 
 
 def read_urdf(robot: Composition) -> RobotUrdf:
@@ -97,7 +96,7 @@ def attached(urdf: RobotUrdf, robot: Composition, index: int) -> RobotUrdf:
     key, attachment, files = attachment_joint(index), robot.attach[index], robot.attached_files[index]
     part, cut, remarks = _part(attachment, files.urdf, robot, f"{key}.")
     renamed = _renamed(part, cut, attachment.prefix)
-    _prefix(part, attachment.prefix, key)
+    put_prefix(part, attachment.prefix, key)
     tree, disabled = copy.deepcopy(urdf.tree), dict(urdf.disabled)
     _attach(tree, part, attachment, robot, key)
     for pair, reasons in _disabled_pairs(files.srdf, renamed).items():
@@ -152,10 +151,10 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     for name, its_key in wanted if part.root is None else [*wanted, (part.root, f"{key}root")]:
         _require(name, tree, file, robot, its_key)
     for name in part.leave_out:
-        _keep(tree, carried(tree, name), keep=False)
+        keep_links(tree, carried(tree, name), keep=False)
     if part.root is not None:
-        _keep(tree, carried(tree, part.root), keep=True)
-    if not _names(tree, "link"):
+        keep_links(tree, carried(tree, part.root), keep=True)
+    if not names_of(tree, "link"):
         raise InputError("nothing is left of the URDF", file=robot.source, key=f"{key}leave_out")
     followers = mimics_of(tree, file)  # a joint that is left may mimic one that is not
     hold(tree, _held(part.hold, followers, tree, file, robot, f"{key}hold"), file)
@@ -163,7 +162,7 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     if part.use_visual:
         show_as_collision(tree)
     _find_meshes(tree, file, robot)
-    return tree, set(links) - set(_names(tree, "link")), remarks
+    return tree, set(links) - set(names_of(tree, "link")), remarks
 
 
 def _held(
@@ -211,99 +210,14 @@ def _strip(tree: ET.Element) -> None:
             soft.set("k_velocity", "0")
 
 
-def parse(file: Path, tag: str) -> ET.Element:
-    """Read an XML file whose root element is `tag`.
-
-    Raises:
-        FileError: it cannot be read, is no XML, or has another root element.
-    """
-    try:
-        root = _read(content_of(file))
-    except (ET.ParseError, expat.ExpatError, ValueError, LookupError) as error:  # the last two of unknown encodings
-        raise FileError(f"is not valid XML: {error}", file=file) from None
-    if root.tag != tag:
-        raise FileError(f"holds <{root.tag}>, not <{tag}>", file=file, remedy="If it is xacro, run xacro first")
-    return root
-
-
-def _read(content: bytes) -> ET.Element:
-    """Return the root element; where a prefix stands for nothing, names with a prefix keep it, with their colon.
-
-    Blank lines before the declaration, which other readers of URDFs skip, are skipped.
-    """
-    if (begun := content.lstrip()).startswith(b"<?xml"):
-        content = begun
-    try:
-        return ET.fromstring(content)
-    except ET.ParseError as error:
-        if error.code != expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
-            raise
-    builder, parser = ET.TreeBuilder(), expat.ParserCreate()
-    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
-    parser.CharacterDataHandler = builder.data
-    parser.Parse(content, True)
-    return builder.close()
-
-
-def _names(tree: ET.Element, tag: str) -> list[str]:
-    return [element.get("name", "") for element in tree.findall(tag)]
-
-
-def ends(joint: ET.Element) -> tuple[str, str]:
-    """Return the links that a joint joins: parent and child."""
-    return _end(joint, "parent"), _end(joint, "child")
-
-
-def _end(joint: ET.Element, end: str) -> str:
-    found = joint.find(end)
-    return "" if found is None else found.get("link", "")
-
-
-def _root_of(tree: ET.Element) -> str:
-    children = {_end(joint, "child") for joint in tree.findall("joint")}
-    return next(name for name in _names(tree, "link") if name not in children)
-
-
-def carried(tree: ET.Element, link: str) -> set[str]:
-    """Return a link and all that it carries."""
-    found, frontier = {link}, {link}
-    while frontier:
-        frontier = {_end(joint, "child") for joint in tree.findall("joint") if _end(joint, "parent") in frontier}
-        found |= frontier
-    return found
-
-
-def _keep(tree: ET.Element, links: set[str], *, keep: bool) -> None:
-    """Remove the links that are not among `links` (or, if not `keep`, those that are), and their joints."""
-    for link in tree.findall("link"):
-        if (link.get("name") in links) != keep:
-            tree.remove(link)
-    left = set(_names(tree, "link"))
-    for joint in tree.findall("joint"):
-        if not set(ends(joint)) <= left:
-            tree.remove(joint)
-
-
-def _prefix(tree: ET.Element, prefix: str, key: str) -> None:
-    """Put a prefix before every name of links and joints, and mark materials as those of the part `key`."""
-    for element in tree.iter():
-        if element.tag == "material" and element.get("name"):
-            element.set("name", f"{element.get('name')} ({key})")
-        for key in ("link", "joint") if element.tag in {"parent", "child", "mimic"} else ():
-            if element.get(key) is not None:
-                element.set(key, prefix + element.get(key, ""))
-    for element in [*tree.findall("link"), *tree.findall("joint")]:
-        element.set("name", prefix + element.get("name", ""))
-
-
 def _attach(tree: ET.Element, part: ET.Element, how: Attachment, robot: Composition, key: str) -> None:
     _require(how.to, tree, robot.urdf_file, robot, f"{key}.to")
     for tag in ("link", "joint"):
-        twice = sorted(set(_names(tree, tag)) & set(_names(part, tag)))
+        twice = sorted(set(names_of(tree, tag)) & set(names_of(part, tag)))
         if twice:
             problem = f"{len(twice)} {tag} names are in the robot already, the first is {twice[0]!r}"
             raise InputError(problem, file=robot.source, key=f"{key}.prefix", remedy="Give a prefix, or another one")
-    child = _root_of(part)
+    child = root_of(part)
     tree.extend(part)
     joint = ET.SubElement(tree, "joint", name=key, type="fixed")
     xyz, rpy = (" ".join(repr(float(v)) for v in values) for values in (how.position, how.rpy))
@@ -313,7 +227,7 @@ def _attach(tree: ET.Element, part: ET.Element, how: Attachment, robot: Composit
 
 
 def _require(name: str, tree: ET.Element, file: Path, robot: Composition, key: str) -> None:
-    known = _names(tree, "link")
+    known = names_of(tree, "link")
     if name not in known:
         problem = f"link {name!r} is not in {file.name}"
         raise UnknownNameError(problem, file=robot.source, key=key, remedy=close_names(name, known))
@@ -342,7 +256,7 @@ def _find_meshes(tree: ET.Element, file: Path, robot: Composition) -> None:
 
 def _renamed(tree: ET.Element, cut: set[str], prefix: str) -> dict[str, str | None]:
     """Return what the links of one URDF are called in the robot; None: cut off."""
-    return {name: prefix + name for name in _names(tree, "link")} | dict.fromkeys(cut)
+    return {name: prefix + name for name in names_of(tree, "link")} | dict.fromkeys(cut)
 
 
 def _disabled_pairs(srdf: Path | None, renamed: dict[str, str | None]) -> Pairs:

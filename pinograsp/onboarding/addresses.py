@@ -16,8 +16,8 @@ from ..descriptions.packages import (
     readings,
     remedy_for,
 )
-from ..descriptions.urdf import carried, ends, parse
 from ..descriptions.urdf_checks import LOOSE
+from ..descriptions.urdf_xml import carried, ends, parse
 from ..disk import is_file
 from ..errors import FileError
 

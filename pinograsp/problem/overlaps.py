@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.solids import distance_request, scene_body
-from ..descriptions.scene import Body
+from ..descriptions.bodies import Body
 from ..descriptions.shapes import ShapeDescription
 from ..geometry.shapes import surface_of
 from ..geometry.tessellation import refined

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..arrays import Array
+from ..descriptions.bodies import Body
 from ..descriptions.pose import Pose
-from ..descriptions.scene import Body
 from ..geometry.shapes import surface_of
 from .overlaps import depth_in
 from .task_model import TaskModel

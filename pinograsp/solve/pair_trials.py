@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.distances import Distances
-from ..descriptions.scene import Enclosure
+from ..descriptions.enclosure import Enclosure
 from ..kinematics.forward import Configuration, forward
 from ..kinematics.wrist import wrist_pose
 from ..mechanics import Contacts

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array
-from ..descriptions.scene import Object
+from ..descriptions.bodies import Object
 from ..descriptions.task import ApproachCone
 from . import colors
 from .symbols import Look, Piece, between, draw

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..database.coverage import SECTORS, Coverage
-from ..descriptions.scene import Enclosure
+from ..descriptions.enclosure import Enclosure
 from ..disk import as_path, write_whole
 from ..errors import require_kind
 from . import camera, colors

@@ -7,8 +7,9 @@ from collections.abc import Collection
 import numpy as np
 
 from ..descriptions import Scene, Task
+from ..descriptions.bodies import Body
+from ..descriptions.enclosure import Enclosure
 from ..descriptions.regions import Region
-from ..descriptions.scene import Body, Enclosure
 from ..geometry.shapes import surface_of
 from . import colors
 from .regions import painted_surface

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...descriptions.scene import Body
+from ...descriptions.bodies import Body
 from ...descriptions.shapes import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Sphere
 from ...errors import InputError
 from ...geometry.shapes import surface_of

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
+from ...descriptions.bodies import Body
 from ...descriptions.pose import Pose
-from ...descriptions.scene import Body
 from ...problem.overlaps import depth_in
 from .variant import Change, Failure, Variant, place
 

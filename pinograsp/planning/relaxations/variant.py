@@ -9,7 +9,7 @@ from typing import Any
 
 from ...arrays import Array
 from ...descriptions import Scene, Task
-from ...descriptions.scene import Body
+from ...descriptions.bodies import Body
 from ...results import Grasp
 
 SMALL = (0.001, 0.002, 0.004, 0.008, 0.016, 0.032)

@@ -13,8 +13,8 @@ import coal
 import numpy as np
 
 from ...arrays import Array
+from ...descriptions.bodies import Body
 from ...descriptions.regions import Region
-from ...descriptions.scene import Body
 from ...descriptions.shapes import (
     Box,
     Capsule,
