@@ -127,7 +127,9 @@ def test_meshes_are_where_pinocchio_reads_them(gen3: Robot) -> None:
         assert element.mesh == Path(item.meshPath)
         assert element.joint == item.parentJoint
         np.testing.assert_allclose(element.placement, item.placement.homogeneous, atol=1e-12)
-        ours, theirs = (cKDTree(v) for v in (read_triangles(element.mesh).reshape(-1, 3), item.geometry.vertices()))
+        ours, theirs = (
+            cKDTree(v) for v in (read_triangles(element.mesh, element.size).reshape(-1, 3), item.geometry.vertices())
+        )
         assert max(ours.query(theirs.data)[0].max(), theirs.query(ours.data)[0].max()) < 1e-9
 
 
@@ -487,7 +489,7 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[
     cover_cache._cached.cache_clear()
     read: list[Path] = []
     reader = cover_cache.read_triangles
-    monkeypatch.setattr(cover_cache, "read_triangles", lambda mesh: (read.append(mesh), reader(mesh))[1])
+    monkeypatch.setattr(cover_cache, "read_triangles", lambda mesh, scale: (read.append(mesh), reader(mesh, scale))[1])
     yield read
     cover_cache._cached.cache_clear()
     temporary.cleanup()

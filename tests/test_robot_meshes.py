@@ -65,8 +65,8 @@ def bounds_of(file: Path) -> tuple[Array, Array]:
     """Return the bounds of the left finger as the planner and as the verification have it."""
     description = load_robot_description(file)
     mesh = VerifiedRobot(description).meshes["left"]
-    corners = read_triangles(file.parent / "f.dae" if (file.parent / "f.dae").exists() else file.parent / "f.obj")
-    ours = corners.reshape(-1, 3)
+    kept = file.parent / "f.dae" if (file.parent / "f.dae").exists() else file.parent / "f.obj"
+    ours = read_triangles(kept, np.ones(3)).reshape(-1, 3)
     return np.array([ours.min(axis=0), ours.max(axis=0)]), np.array(
         [mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]
     )
@@ -122,6 +122,12 @@ BOX = "\n".join(
 SPOILED: dict[str, tuple[str, bytes, str]] = {
     "nan": ("f.obj", BOX.replace("v 0.0 -0.01 0.0", "v nan -0.01 0.0").encode(), "not finite"),
     "infinite": ("f.obj", BOX.replace("v 0.0 -0.01 0.0", "v 0.0 inf 0.0").encode(), "not finite"),
+    "far": ("f.obj", BOX.replace("v 0.0 -0.01 0.0", "v 0.0 1e300 0.0").encode(), "1e+300 m from its origin"),
+    "far enough to hide": (
+        "f.obj",
+        BOX.replace("v 0.0 -0.01 0.0", "v 0.0 2e3 0.0").encode(),
+        "2e+03 m from its origin",
+    ),
     "index": ("f.obj", f"{BOX}\nf 1 2 99999999\n".encode(), "99999999, of 8"),
     "back": ("f.obj", f"{BOX}\nf 1 2 -9\n".encode(), "-9, of 8"),
     "collada": ("f.dae", collada(finger())[:900].encode(), "cannot be read as DAE"),

@@ -72,7 +72,7 @@ def figures(robot: Robot) -> None:
         if element.mesh is None:
             continue
         hull, cover = (covered(element, limits) for limits in ((1, 1.0), robot.description.collision.of(element.link)))
-        triangles = read_triangles(element.mesh) * element.size
+        triangles = read_triangles(element.mesh, element.size)
         total["hull"].append(of_hull := excess(hull, triangles, SAMPLES))
         total["cover"].append(of_cover := excess(cover, triangles, SAMPLES))
         counts = [sum(map(len, pieces)) for pieces in (hull, cover)]

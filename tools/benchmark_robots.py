@@ -70,7 +70,7 @@ def closeness(robot: Robot) -> list[str]:
 def worst(element: CollisionElement, limits: tuple[int, float]) -> float:
     """Return the 95th percentile of distances between the pieces of a mesh, for a number and a tolerance, and it."""
     assert element.mesh is not None
-    triangles = read_triangles(element.mesh) * element.size
+    triangles = read_triangles(element.mesh, element.size)
     return float(np.percentile(excess(covered(element, limits), triangles, SAMPLES), 95))
 
 

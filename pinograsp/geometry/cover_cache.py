@@ -64,7 +64,7 @@ def body_cover(name: str, triangles: Array, pieces: int, tolerance: float) -> Pi
 def _cached(key: str, mesh: Path, scale: tuple[float, ...], pieces: int, tolerance: float) -> Pieces:
     def make() -> Pieces:
         try:
-            return tuple(cover(read_triangles(mesh) * np.array(scale), pieces, tolerance))
+            return tuple(cover(read_triangles(mesh, scale), pieces, tolerance))
         except FlatError:
             raise InputError("the collision mesh has no area: all of it is on a line", file=mesh) from None
 

@@ -20,6 +20,8 @@ MOST_BYTES = 200_000_000
 """Largest file that is read; text takes eight times its size in memory while it is read."""
 MOST_TRIANGLES = 1_000_000
 """Most triangles of a file, of copies of its parts too."""
+FARTHEST = 1e3
+"""Distance of a corner from the origin of its file, m: no object or link is larger, and squares of it stay numbers."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,19 @@ def read_content(file: Path, content: bytes, most: int | None = None) -> MeshCon
         remedy = "Is it a whole file, and of the kind that its suffix says?"
         raise FileError(f"cannot be read as {kind.upper()} ({said})", file=file, remedy=remedy) from None
     return _required(found, file, most)
+
+
+def require_near(corners: Array, file: Path, remedy: str) -> None:
+    """Refuse corners that are farther from their origin than anything here is large.
+
+    Args:
+        corners: m, shape (..., 3).
+        file: where they are from.
+        remedy: what to look at.
+    """
+    if not (farthest := float(np.abs(corners).max())) <= FARTHEST:
+        problem = f"a corner is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
+        raise FileError(problem, file=file, remedy=remedy)
 
 
 def _required(found: MeshContent, file: Path, most: int) -> MeshContent:

@@ -16,13 +16,11 @@ from ..arrays import Array, Integers, Mask
 from ..descriptions.mesh_files import Unit, metres_in_unit
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
-from .mesh_content import MeshContent, Paint, read_content
+from .mesh_content import MeshContent, Paint, read_content, require_near
 from .mesh_parts import corners_of
 from .mesh_repair import repaired
 from .no_body import NoBodyError
 
-FARTHEST = 1e3
-"""Distance of a corner from the origin of its file, m: no object is larger, and squares of it stay numbers."""
 SMALLEST = 0.002
 """A body that is smaller may have coordinates of another unit, m."""
 
@@ -67,9 +65,7 @@ def _made(
     used = scaled[corners_of(read.faces, len(scaled))]
     extent = float(np.ptp(used, axis=0).max())
     metres = metres_in_unit(unit, read.metres, extent)
-    if not (farthest := float(np.abs(used).max()) * metres) <= FARTHEST:
-        problem = f"a corner is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
-        raise FileError(problem, file=file, remedy="Check its numbers, `scale` and `unit`")
+    require_near(used * metres, file, "Check its numbers, `scale` and `unit`")
     try:
         body = repaired(scaled * metres, read.faces, largest_hole)
     except NoBodyError as error:

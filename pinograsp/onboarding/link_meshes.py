@@ -43,6 +43,6 @@ def element_triangles(element: LinkElement) -> Array:
     if element.mesh is None:
         return primitive_triangles(element.kind, element.size)
     with meshes_of(element.link):
-        triangles = read_triangles(element.mesh) * element.size
+        triangles = read_triangles(element.mesh, element.size)
     mirrored = np.prod(element.size) < 0.0
     return triangles[:, ::-1] if mirrored else triangles

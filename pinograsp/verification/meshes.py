@@ -19,6 +19,8 @@ from ..errors import FileError, InputError
 from .link_mesh import NOTHING, LinkMesh, kept_mesh
 
 _SECTIONS = 128
+_FARTHEST = 1e3
+"""Distance of a corner from the origin of its mesh, m: no link is larger."""
 _SHEET = 1e-6
 """Thickness of a mesh, as a share of its extent, below which it encloses nothing."""
 
@@ -67,6 +69,9 @@ def _placed(collision: Any, link: str, robot: Composition) -> Any:
         mesh = _read(geometry.mesh.filename, link)
         scale = geometry.mesh.scale
         mesh.apply_scale(1.0 if scale is None else scale)
+        if not (farthest := np.abs(mesh.vertices).max()) <= _FARTHEST:
+            problem = f"the collision mesh of link {link} has a corner that is {farthest:.3g} m from its origin"
+            raise FileError(problem, file=Path(geometry.mesh.filename), remedy="Check its numbers, and its `scale`")
     elif geometry.box is not None:
         mesh = trimesh.creation.box(extents=geometry.box.size)
     elif geometry.sphere is not None:
