@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -483,6 +483,18 @@ def test_a_hand_that_cannot_squeeze_has_no_internal_forces() -> None:
     assert solution.y.shape == (0,)
     assert solution.V == barrier(statics.f_p, JAW_Y, HARD, LIMITS).V > LIMITS.strict_cost
     np.testing.assert_array_equal(statics.reference_displacement(solution.y), [0.0])
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_hand_has_no_more_internal_forces_than_contacts_far_from_the_object_leave(seed: int) -> None:
+    """Two soft fingers 1 m beside the centre of mass, three synergies: two columns, the third would be rounding."""
+    family = random_family(seed, (True, True), 3)
+    models = ContactModels(np.full(2, 0.0014), family.models.contact_compliance)
+    load = replace(family.load, center_of_mass=family.load.center_of_mass + np.array([0.0, 0.0, 1.0]))
+    contacts = family.at(ORIGIN)
+    statics = grasp_statics(contacts, models, family.hand, load)
+    assert statics.E_s.shape[1] == statics.E_s_to_synergies.shape[1] == 2
+    assert math.isfinite(solve_forces(statics, contacts.normals, models, LIMITS).V)
 
 
 def test_V_below_the_strict_cost_proves_every_limit() -> None:

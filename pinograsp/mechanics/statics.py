@@ -143,35 +143,38 @@ def _matrices(
         compliance[row, row] += contact_compliance[row]
     K: Array = np.linalg.inv(compliance).astype(np.float64)
     KGt = K @ G.T
-    inverse = _pseudo_inverse(G @ KGt)
+    inverse, rank = _pseudo_inverse(G @ KGt)
     G_K_R = KGt @ inverse
     KJS = K @ (J @ synergies)
     F_s = KJS - G_K_R @ (G @ KJS)
-    E_s, to_synergies = _internal_basis(F_s, KJS, normals, rows)
+    E_s, to_synergies = _internal_basis(F_s, KJS, normals, rows, len(K) - rank)
     E_s = E_s - G_K_R @ (G @ E_s)  # of weak synergies, rounding would not balance
     f_p = -(G_K_R @ wrench)
     return G, J, K, inverse, G_K_R, F_s, E_s, to_synergies, f_p, wrench + G @ f_p
 
 
 @compiled
-def _pseudo_inverse(A: Array) -> Array:
-    """Return A^+ of a symmetric positive semidefinite matrix."""
+def _pseudo_inverse(A: Array) -> tuple[Array, int]:
+    """Return A^+ of a symmetric positive semidefinite matrix, and its rank."""
     values, vectors = np.linalg.eigh(A)
-    inverse = np.zeros(A.shape)
+    inverse, rank = np.zeros(A.shape), 0
     for k in range(len(values)):
         if values[k] > RANK_TOLERANCE * values[-1]:
+            rank += 1
             for i in range(len(values)):
                 for j in range(len(values)):
                     inverse[i, j] += vectors[i, k] * vectors[j, k] / values[k]
-    return inverse
+    return inverse, rank
 
 
 @compiled
-def _internal_basis(F_s: Array, KJS: Array, normals: Array, rows: Rows) -> tuple[Array, Array]:
+def _internal_basis(F_s: Array, KJS: Array, normals: Array, rows: Rows, most: int) -> tuple[Array, Array]:
     """Return E_s and F_s^+ E_s from the singular value decomposition of F_s, spin torques divided by their radius e.
 
     A singular value counts as zero against the scale of K J S, of which F_s is a projection: a hand that cannot
-    squeeze has e_s = 0. Signs are chosen so that y > 0 presses on the object.
+    squeeze has e_s = 0. Nor has it more than the internal forces have dimensions (`most`): what is beyond is rounding,
+    which grows with the distance of the contacts from the centre of mass. Signs are chosen so that y > 0 presses on
+    the object.
     """
     in_newtons = np.ones(len(F_s))
     for i in range(len(rows.spin)):
@@ -180,7 +183,7 @@ def _internal_basis(F_s: Array, KJS: Array, normals: Array, rows: Rows) -> tuple
     U, values, Vt = np.linalg.svd(F_s * in_newtons.reshape(-1, 1), full_matrices=False)
     least = RANK_TOLERANCE * np.abs(KJS * in_newtons.reshape(-1, 1)).max()
     rank = 0
-    while rank < len(values) and values[rank] > least:
+    while rank < min(most, len(values)) and values[rank] > least:
         rank += 1
     E, back = np.empty((len(U), rank)), np.empty((Vt.shape[1], rank))
     for k in range(rank):
