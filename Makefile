@@ -9,8 +9,9 @@ STAMP := $(VENV)/.installed
 demo: $(STAMP)
 	$(BIN)/pinograsp plan scenes/glovebox.yaml --task sphere --starts 1304 --seed 0
 
+# Each file is one worker's: its fixtures are made once.
 test: $(STAMP) lint
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q --numprocesses=logical --maxprocesses=4 --dist=loadfile
 
 test-slow: $(STAMP)
 	$(BIN)/python -m pytest -q -m slow

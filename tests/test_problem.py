@@ -252,3 +252,11 @@ def test_steps_never_leave_a_bound_outwards() -> None:
         normal = J[:, free].T @ J[:, free] + 0.1 * np.eye(int(free.sum()))
         np.testing.assert_allclose(normal @ step[free], -J[:, free].T @ values, atol=1e-12)
     assert held > 20
+
+
+def test_an_object_that_moves_has_the_same_pairs(sphere_task: TaskModel) -> None:
+    """Proposals move the object for every pair that they try: how pairs belong to links is not found out again."""
+    elsewhere = sphere_task.scene.with_object_pose("sphere", Pose(position=(0.7, 0.0, 0.1)))
+    collisions = sphere_task.moved("sphere", elsewhere).collisions
+    assert collisions.link_pairs is sphere_task.collisions.link_pairs
+    assert collisions.pad_pairs is sphere_task.collisions.pad_pairs

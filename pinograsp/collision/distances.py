@@ -26,7 +26,7 @@ from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
 from .ball_tree import BallTree
 from .boxes import half_edges, near_pairs
-from .pairs import pairs_of
+from .pairs import LinkPairs, PadPairs, pairs_of
 from .solids import distance_request
 from .world import BodyKey, World
 
@@ -52,6 +52,7 @@ class CollisionModel:
     def __init__(self, robot: Robot, world: World) -> None:
         self._robot = robot
         solids, self.pairs = pairs_of(robot, world)
+        self.link_pairs, self.pad_pairs = LinkPairs.among(self.pairs), PadPairs.among(self.pairs)
         self.shapes = tuple(placed.solid.shape for placed in solids)
         """Coal geometries; the pairs refer to them by number."""
         self._owners = tuple(placed.body.key for placed in solids)

@@ -10,13 +10,15 @@ see `object_points`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain, combinations, count, product
 from typing import NamedTuple
 
 import coal
 import numpy as np
 
+from ..arrays import Array, Indices
 from ..geometry.patches import above
 from ..kinematics.robot import Robot
 from .world import CLEARANCES, Body, BodyKey, Role, Solid, World
@@ -62,6 +64,45 @@ class Pair(NamedTuple):
     def name(self) -> str:
         """Both bodies in words."""
         return f"{self.link} - {self.other}"
+
+
+@dataclass(frozen=True)
+class LinkPairs:
+    """The pairs of the links, without those of pad clearances, which are the last."""
+
+    links: tuple[str, ...]
+    link_of: Indices
+    """Number of the link of every pair, shape (pairs,)."""
+    counts: Indices
+    """Pairs of every link, shape (links,)."""
+    margins: Array
+    """Least distance wanted of every pair, m, shape (pairs,)."""
+
+    @classmethod
+    def among(cls, pairs: Sequence[Pair]) -> LinkPairs:
+        """Return those that are among the pairs of a world."""
+        kept = [pair for pair in pairs if pair.kind != PAD_CLEARANCE]
+        numbers = {link: number for number, link in enumerate(dict.fromkeys(pair.link for pair in kept))}
+        link_of = np.array([numbers[pair.link] for pair in kept], dtype=np.intp)
+        counts = np.bincount(link_of, minlength=len(numbers))
+        return cls(tuple(numbers), link_of, counts, np.array([pair.margin for pair in kept]))
+
+
+@dataclass(frozen=True)
+class PadPairs:
+    """The pairs of pad clearances."""
+
+    pairs: Mapping[int, Pair]
+    """With their numbers among all pairs."""
+    groups: Mapping[tuple[str, int], int]
+    """Numbers of the links with the parts of the object that they make pairs with."""
+
+    @classmethod
+    def among(cls, pairs: Sequence[Pair]) -> PadPairs:
+        """Return those that are among the pairs of a world."""
+        kept = {number: pair for number, pair in enumerate(pairs) if pair.kind == PAD_CLEARANCE}
+        groups = dict.fromkeys((pair.link, pair.part) for pair in kept.values())
+        return cls(kept, {group: number for number, group in enumerate(groups)})
 
 
 def pairs_of(robot: Robot, world: World) -> tuple[list[PlacedSolid], tuple[Pair, ...]]:

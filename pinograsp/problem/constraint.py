@@ -7,9 +7,10 @@ this decides how many starts succeed.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol, runtime_checkable
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -90,18 +91,17 @@ class Constraint(Protocol):
         return np.eye(len(self.rows))
 
 
-@runtime_checkable
-class Projected(Protocol):
+class Projected(ABC):
     """A constraint or cost that the projection of starts makes small as well."""
 
     descents: Descents
 
+    @abstractmethod
     def projection(self, state: State, weight: float) -> Residual:
         """Return the residual whose squared norm is to be small, scaled for that, times `weight`."""
-        ...
 
 
-class Inside(Constraint, Projected, Protocol):
+class Inside(Constraint, Projected):
     """An inequality that keeps something inside: values of `inside` are at least `least`."""
 
     kind: Kind = "inequality"
@@ -110,9 +110,9 @@ class Inside(Constraint, Projected, Protocol):
     """Constraint value per unit of `inside`."""
     least: float
 
+    @abstractmethod
     def inside(self, state: State) -> Residual:
         """Return how far inside each row is, negative outside, shape (rows,)."""
-        ...
 
     def residual(self, state: State) -> Residual:
         return self.inside(state).above(self.least).scaled(-self.scale)

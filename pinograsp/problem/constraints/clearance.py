@@ -20,7 +20,6 @@ import numpy as np
 
 from ...arrays import Array, Indices
 from ...collision.distances import REACH
-from ...collision.pairs import PAD_CLEARANCE
 from ...collision.world import CLEARANCES
 from ...compiled import compiled
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
@@ -43,28 +42,24 @@ class Clearance(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        pairs = tuple(pair for pair in model.collisions.pairs if pair.kind != PAD_CLEARANCE)  # those are the last
-        self.links = tuple(dict.fromkeys(pair.link for pair in pairs))
+        self._pairs, self._grouped = model.collisions.pairs, model.collisions.link_pairs
+        self.links = self._grouped.links
         """Links of the rows."""
         self.rows = tuple(f"clearance of {link}" for link in self.links)
-        self._pairs = pairs
-        self._margins = np.array([pair.margin for pair in pairs])
-        numbers = {link: number for number, link in enumerate(self.links)}
-        self._link_of = np.array([numbers[pair.link] for pair in pairs])
-        self._counts = np.bincount(self._link_of, minlength=len(self.links))
 
     def inside(self, state: State) -> Residual:
         indices, above, gradients = self._measured(state)
-        values, jacobian = smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
+        links, counts = self._grouped.link_of[indices], self._grouped.counts
+        values, jacobian = smooth_minima(above, gradients, links, counts, REACH)
         rest = np.zeros((len(values), len(state.x) - jacobian.shape[1]))
         return Residual(values, np.concatenate([jacobian, rest], axis=1))
 
     def _measured(self, state: State) -> tuple[Indices, Array, Array]:
         """Return the pairs that were measured, their distances above their margins, m, and the gradients."""
-        measured = state.distances
-        count = int(np.searchsorted(measured.indices, len(self._pairs)))
+        measured, margins = state.distances, self._grouped.margins
+        count = int(np.searchsorted(measured.indices, len(margins)))
         indices = measured.indices[:count]
-        return indices, measured.values[:count] - self._margins[indices], measured.gradients[:count]
+        return indices, measured.values[:count] - margins[indices], measured.gradients[:count]
 
     def violations(self, state: State) -> list[Violation]:
         """Return the violation of each figure of which a pair was measured."""

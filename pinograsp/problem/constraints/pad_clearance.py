@@ -30,11 +30,10 @@ class PadClearance(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        self._pairs = {i: pair for i, pair in enumerate(model.collisions.pairs) if pair.kind == PAD_CLEARANCE}
-        groups = dict.fromkeys((pair.link, pair.part) for pair in self._pairs.values())
-        self._row = {group: row for row, group in enumerate(groups)}
-        self._links = [link for link, _ in groups]
-        self.rows = tuple(f"pad clearance of {link} to part {part + 1}" for link, part in groups)
+        found = model.collisions.pad_pairs
+        self._pairs, self._row = found.pairs, found.groups
+        self._links = [link for link, _ in found.groups]
+        self.rows = tuple(f"pad clearance of {link} to part {part + 1}" for link, part in found.groups)
 
     def inside(self, state: State) -> Residual:
         measured, touched = state.distances, state.touched_parts
@@ -59,5 +58,4 @@ class PadClearance(Inside):
 
 def pad_clearance(model: TaskModel) -> PadClearance | None:
     """Return the constraint, or None if the object is of one part."""
-    found = PadClearance(model)
-    return found if found.rows else None
+    return PadClearance(model) if model.collisions.pad_pairs.pairs else None
