@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 import warnings
 from dataclasses import dataclass, field, replace
@@ -87,8 +88,7 @@ def read_content(file: Path, content: bytes, most: int | None = None) -> MeshCon
     except FileError as error:
         raise FileError(error.problem, file=file, remedy=error.remedy) from None
     except Exception as error:  # parsers that are given any bytes raise errors of any class
-        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        said = said if len(said) <= 200 else said[:200] + " ..."
+        said = _said(error)
         remedy = "Is it a whole file, and of the kind that its suffix says?"
         raise FileError(f"cannot be read as {kind.upper()} ({said})", file=file, remedy=remedy) from None
     return _required(found, file, most)
@@ -105,6 +105,14 @@ def require_near(corners: Array, file: Path, remedy: str) -> None:
     if not (farthest := float(np.abs(corners).max())) <= FARTHEST:
         problem = f"a corner is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
         raise FileError(problem, file=file, remedy=remedy)
+
+
+def _said(error: Exception) -> str:
+    """Return what a parser complains of, in words."""
+    if isinstance(error, json.JSONDecodeError):
+        return f"its JSON part is damaged at character {error.pos} of {len(error.doc)}"
+    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return said if len(said) <= 200 else said[:200] + " ..."
 
 
 def _required(found: MeshContent, file: Path, most: int) -> MeshContent:
@@ -146,9 +154,21 @@ def _require_whole_ply(content: bytes) -> None:
             raise FileError(problem, remedy="Export it again")
 
 
+def _require_whole_colors(content: bytes) -> None:
+    """Refuse a PLY file of which an element has some of the three colours only."""
+    for element in content.partition(b"end_header")[0].split(b"\nelement ")[1:]:
+        names = set(re.findall(rb"^property\s+\w+\s+(red|green|blue)\s*$", element, re.MULTILINE))
+        missing = sorted({b"red", b"green", b"blue"} - names)
+        if names and missing:
+            colors = " and ".join(name.decode() for name in missing)
+            problem = f"has colours without {colors} in its element {element.split()[0].decode('ascii', 'replace')}"
+            raise FileError(problem, remedy="Export it again, with red, green and blue or without colours")
+
+
 def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
     if kind == "ply":
         _require_whole_ply(content)
+        _require_whole_colors(content)
     # Bytes, so that nothing is read but what was hashed: no textures and buffers in other files.
     scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
     placed = [

@@ -18,6 +18,7 @@ from ..arrays import Array, Indices, Integers, Mask
 from ..words import number_of
 from .mesh_holes import hole_caps
 from .mesh_parts import components, corners_of, edges_of, parts_of, signed_volumes
+from .mesh_sides import OuterSides
 from .no_body import NoBodyError, in_brackets
 
 NEAR = 1e-6
@@ -26,14 +27,6 @@ ADDED = -1
 """Origin of a triangle that closes a hole."""
 GHOST = 0.01
 """Part of the area that may enclose nothing, at creases and seams."""
-SAMPLES = 20_000
-"""Triangles, evenly picked, at which that is asked."""
-FEWEST, MOST = 2, 6
-"""Places along each edge of a triangle at which it is looked for inside other parts."""
-APART = 0.002
-"""How far apart these are, in parts of the mesh's extent, unless they are the fewest or the most."""
-MIDDLE = np.full((1, 3), 1.0 / 3.0)
-"""Share of each corner in the middle of a triangle."""
 
 
 @dataclass(frozen=True)
@@ -74,11 +67,11 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
     findings += holes
     faces = np.concatenate([faces, caps])
     origin = np.concatenate([origin, np.full(len(caps), ADDED)])
-    overlapping = _require_body(vertices, faces)
-    a, b, c = vertices[faces].transpose(1, 0, 2)
+    sides = OuterSides(vertices, faces)
+    _require_body(vertices, faces, sides)
     extent = float(np.ptp(vertices, axis=0).max())
-    real = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-13 * extent**2  # slivers enclose and measure nothing
-    outer = _outer(vertices, faces)[real] if overlapping else np.ones(int(real.sum()), dtype=bool)
+    real = sides.areas > 0.5e-13 * extent**2  # slivers enclose and measure nothing
+    outer = sides.outer()[real]
     return Repaired(vertices, np.ascontiguousarray(faces[real]), origin[real], outer, tuple(findings))
 
 
@@ -164,67 +157,18 @@ def _outward(vertices: Array, faces: Integers) -> tuple[Integers, list[str]]:
     return np.where(turned[:, None], faces[:, ::-1], faces), ["inside out: turned" if turned.all() else some]
 
 
-def _outer(vertices: Array, faces: Integers) -> Mask:
-    """Return which triangles bound the body: those that do not lie wholly inside it, where parts overlap."""
-    outer = _outside_windings(vertices, faces, np.arange(len(faces)), MIDDLE)[:, 0] < 0.5
-    within = np.flatnonzero(~outer)
-    corners = vertices[faces[within]]
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    apart = APART * float(np.ptp(vertices, axis=0).max())
-    counts = np.clip(np.ceil(longest / apart), FEWEST, MOST).astype(np.intp)
-    for count in np.unique(counts).tolist():
-        some = within[counts == count]
-        outer[some] = (_outside_windings(vertices, faces, some, _places(count)) < 0.5).any(axis=1)
-    return outer
-
-
-def _places(count: int) -> Array:
-    """Return shares of the corners in places all over a triangle, so many along each edge, shape (k, 3)."""
-    steps = np.arange(count)
-    grid = np.array([(i, j, count - 1 - i - j) for i in steps for j in steps if i + j < count]) + 0.1
-    return np.asarray(grid / grid.sum(axis=1, keepdims=True))
-
-
-def _outside_windings(vertices: Array, faces: Integers, picked: Indices, shares: Array) -> Array:
-    """Return the winding numbers just outside of triangles: 0 where they bound the body.
-
-    Args:
-        vertices: shape (v, 3), m.
-        faces: shape (f, 3).
-        picked: indices of triangles, shape (n,).
-        shares: of their corners in the places that are looked at, shape (k, 3).
-
-    Returns:
-        Shape (n, k).
-    """
-    corners = vertices[faces[picked]]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(across, axis=1)
-    across /= np.where(lengths > 0.0, lengths, 1.0)[:, None]
-    off = 1e-5 * float(np.ptp(vertices, axis=0).max())
-    places = np.einsum("kc,nci->nki", shares, corners) + off * across[:, None]
-    windings = igl.fast_winding_number(vertices, np.ascontiguousarray(faces), places.reshape(-1, 3))
-    return np.asarray(windings).reshape(len(picked), len(shares))
-
-
-def _require_body(vertices: Array, faces: Integers) -> bool:
-    """Refuse triangles that enclose no volume, or many of which bound nothing; return whether parts overlap.
+def _require_body(vertices: Array, faces: Integers, sides: OuterSides) -> None:
+    """Refuse triangles that enclose no volume, or many of which bound nothing.
 
     Triangles bound nothing where a surface crosses itself, and its inner side is outside from there on.
     """
-    low = vertices.min(axis=0)
-    a, b, c = (vertices - low)[faces].transpose(1, 0, 2)
+    a, b, c = (vertices - vertices.min(axis=0))[faces].transpose(1, 0, 2)
     volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
     if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
         raise NoBodyError("encloses no volume", "A body has a thickness; model it as a solid")
-    picked = np.arange(0, len(faces), -(-len(faces) // SAMPLES))
-    windings = _outside_windings(vertices, faces, picked, MIDDLE)[:, 0]
-    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)[picked]
-    ghosts: Mask = (windings < -0.5) & (areas > 0.0)
-    share = float(areas[ghosts].sum() / areas.sum())
+    ghosts = np.where(sides.windings < -0.5, sides.areas, 0.0)
+    share = float(ghosts.sum() / sides.areas.sum())
     if share > GHOST:
-        worst = int(np.argmax(np.where(ghosts, areas, 0.0)))
-        place = vertices[faces[picked[worst]]].mean(axis=0)
+        place = vertices[faces[int(np.argmax(ghosts))]].mean(axis=0)
         problem = f"crosses itself: {100.0 * share:.0f} % of its surface enclose nothing, such as at"
         raise NoBodyError(f"{problem} {in_brackets(place)} m", "Make it one solid in a modeller")
-    return bool((windings > 0.5).any())

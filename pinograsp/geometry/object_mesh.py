@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..descriptions.mesh_files import Unit, metres_in_unit
+from ..descriptions.mesh_files import LARGEST, Unit, metres_in_unit
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
 from .mesh_content import MeshContent, Paint, read_content, require_near
@@ -83,3 +83,5 @@ def _of_units(shape: Mesh, read: MeshContent, extent: float, metres: float) -> I
         yield f"taken as millimetres: it is {size}, in metres it would be {extent:.3g} m"
     if extent * metres < SMALLEST:
         yield f"it is only {size}: is `unit` right?"
+    if extent * metres > LARGEST:
+        yield f"it is {size}, more than a hand holds: is `unit` right?"

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..compiled import compiled
@@ -183,6 +185,32 @@ def neighbours(faces: Integers) -> Indices:
     for one, other in ((order[pairs], order[pairs + 1]), (order[pairs + 1], order[pairs])):
         beside[owner[one], corner[one]] = owner[other]
     return beside
+
+
+def one_for_all(faces: Integers, beside: Indices, plain: Mask, sizes: Array) -> tuple[Indices, Indices]:
+    """Return triangles that tell of all which side of them is inside: of plain ones that hang together, the largest.
+
+    These face the same way, and have an edge in common which is that of no other one.
+
+    Args:
+        faces: shape (f, 3).
+        beside: their neighbours, as of `neighbours`.
+        plain: which are so, shape (f,).
+        sizes: shape (f,).
+
+    Returns:
+        the triangles, shape (n,), and of each triangle the index of the one that tells of it, shape (f,).
+    """
+    one, corner = np.nonzero((beside >= 0) & plain[:, None] & plain[beside])
+    other = beside[one, corner]
+    along = faces[other] == faces[one, (corner + 1) % 3][:, None]
+    against = np.roll(faces[other], 1, axis=1) == faces[one, (corner + 2) % 3][:, None]
+    alike = (along & against).any(axis=1)  # each has the edge the other way round
+    graph = coo_matrix((np.ones(int(alike.sum())), (one[alike], other[alike])), shape=(len(faces), len(faces)))
+    _, group = connected_components(graph, directed=False)
+    order = np.lexsort((sizes, group))
+    last = np.append(group[order][1:] != group[order][:-1], True)
+    return order[last], group
 
 
 class Openings:

@@ -24,7 +24,7 @@ walls hold little of them. The lattice is turned, to lie along no face of a body
 pieces, on one that no other one crosses is inside if that side of the piece is (`plain_faces`), by a look `BESIDE`
 beside its middle. If the foot is on an edge of two such pieces, the one whose plane is farther from the point tells.
 All other points, those next to openings, and those at pieces with another one nearer to the look, are asked for their
-winding number.
+winding number. Pieces that hang together and are looked at in this way have the same sides: one look tells of them all.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
 from .pieces import in_pieces
-from .plain_faces import Openings, barycentric, crossed, neighbours
+from .plain_faces import Openings, barycentric, crossed, neighbours, one_for_all
 
 REACH = 4.0
 """Of the lattice of the footprint normal, in sigma."""
 TURN = (0.5, 0.3, 0.7)
 """Axis of the lattice's turn, times its angle, rad; no special one."""
-VERSION = 2
+VERSION = 3
 """Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
@@ -124,11 +124,12 @@ class TriangleBody:
     def _known(self) -> dict[str, Any]:
         """Return which pieces bound the body, are plain, and have its inside in front of them or behind."""
         middles, step = self._corners.mean(axis=1), BESIDE * self._normals
-        front, back = self.contains(middles + step), self.contains(middles - step)
         radii = np.linalg.norm(self._corners - middles[:, None], axis=2).max(axis=1)
         plain = ~crossed(self._whole.vertices, self._whole.faces) & ~self._openings.near(middles, radii)
         for places in (middles + step, middles - step):
-            plain &= self._whole.nearest(places)[0] > ALONE
+            plain[plain] = self._whole.nearest(places[plain])[0] > ALONE
+        told, teller = one_for_all(self._whole.faces, self._beside, plain, radii)
+        front, back = (self.contains(places[told])[teller] for places in (middles + step, middles - step))
         return {"front": front, "back": back, "plain": plain, "bounding": self._bounding(~front | ~back, plain)}
 
     def contains(self, points: Array) -> Mask:
