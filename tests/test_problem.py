@@ -64,8 +64,8 @@ def test_the_point_to_solve_from_is_evaluated_once(grasp: Place) -> None:
     """Its variables z = x / unit are none from which x comes back to the last digit."""
     problem = grasp.problem
     unit = problem.model.robot.step_units
-    x = np.clip(grasp.x + np.linspace(0.0, 0.001, len(grasp.x)), problem.lower, problem.upper)
-    assert (x / unit * unit != x).any()
+    near = (np.clip(grasp.x + 1e-5 * k, problem.lower, problem.upper) for k in range(100))
+    x = next(x for x in near if (x / unit * unit != x).any())
     recorder = Recorder(problem, 1e-6)
     program = program_from(recorder, x)
     assert program.cost(program.start)[0] == problem.evaluate(x).cost
