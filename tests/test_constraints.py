@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import replace
 from typing import Any
@@ -243,8 +244,8 @@ def test_pad_tangency_tells_front_from_back(grasp: Place) -> None:
     """Pads swapped by assignment alone keep the geometry; turned by half a turn about the sphere they do not."""
     tangency = PadTangency(grasp.problem.model)
     np.testing.assert_allclose(tangency.sums(grasp.state).values, 0.0, atol=1e-5)
-    back = grasp.state
-    back.__dict__["surface"] = tuple(sign * part for sign, part in zip((1, -1, -1), grasp.state.surface, strict=True))
+    back = copy.copy(grasp.state)
+    back.__dict__["footprint"] = tuple(-part for part in grasp.state.footprint)
     np.testing.assert_allclose(np.linalg.norm(tangency.sums(back).values), 2 * math.sqrt(2), atol=1e-4)
     [violation] = tangency.violations(back)
     assert violation.value == pytest.approx(180.0, abs=0.1)
@@ -358,7 +359,7 @@ def test_forces_are_blamed_on_the_limit_that_they_break(
 
 @pytest.mark.parametrize(("pad", "term"), [(0, 0), (0, 1), (1, 1), (1, 2)])
 def test_forces_are_blamed_on_the_largest_term(grasp: Place, pad: int, term: int) -> None:
-    state = grasp.state
+    state = copy.copy(grasp.state)
     solution = state.forces
     assert solution.barrier.terms.sum() == pytest.approx(solution.V)
     terms = solution.barrier.terms.copy()

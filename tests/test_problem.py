@@ -12,8 +12,9 @@ from pinograsp.errors import InputError, TaskError
 from pinograsp.kinematics.hand_posture import preshape, synergy_postures, widest_jaw
 from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, TaskModel, Violation, check_placement, check_task
-from pinograsp.problem.problem import COST_SCALE
+from pinograsp.problem.problem import COST_SCALE, KEPT
 from pinograsp.solve.projection import _damped_step, nearest_assignment
+from pinograsp.solve.recorder import Recorder, program_from
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +44,34 @@ def test_cost_is_squared_offsets_in_millimetres_and_weighted_V(grasp: Place) -> 
     weight = state.model.task.force_weight
     assert phi == pytest.approx(14.0, rel=1e-3)
     assert grasp.problem.evaluate(x).cost == pytest.approx(COST_SCALE * (phi + weight * state.forces.V))
+
+
+def test_the_last_states_are_kept_whatever_becomes_of_their_points(grasp: Place) -> None:
+    problem, x = GraspProblem(grasp.problem.model, grasp.problem.assignment), grasp.x.copy()
+    state = problem.state(x)
+    x[0] += 0.1
+    np.testing.assert_array_equal(state.x, grasp.x)
+    assert problem.state(x) is not state
+    for k in range(KEPT - 2):
+        problem.state(x + 0.01 * (k + 1))
+    assert problem.state(grasp.x) is state
+    for k in range(KEPT):
+        problem.state(x - 0.01 * (k + 1))
+    assert problem.state(grasp.x) is not state
+
+
+def test_the_point_to_solve_from_is_evaluated_once(grasp: Place) -> None:
+    """Its variables z = x / unit are none from which x comes back to the last digit."""
+    problem = grasp.problem
+    unit = problem.model.robot.step_units
+    near = (np.clip(grasp.x + 1e-5 * k, problem.lower, problem.upper) for k in range(100))
+    x = next(x for x in near if (x / unit * unit != x).any())
+    recorder = Recorder(problem, 1e-6)
+    program = program_from(recorder, x)
+    assert program.cost(program.start)[0] == problem.evaluate(x).cost
+    assert recorder.evaluations == 1
+    program.cost(program.start + 1e-3)
+    assert recorder.evaluations == 2
 
 
 def test_violations_are_in_millimetres(grasp: Place) -> None:

@@ -234,6 +234,7 @@ def nearest_points(
     values, nearest = caps.copy(), np.zeros((len(caps), 3))
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
     known, fine, coarse, error = field.bounds, field.distance, field.coarse, field.error  # all of it is slow to hand on
+    balls, parts, points = trees.balls, trees.parts, trees.points
     for number in range(len(caps)):
         R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
         waiting[0], bounds[0] = trees.roots[number], -np.inf
@@ -242,27 +243,28 @@ def nearest_points(
             count -= 1
             if bounds[count] >= enough:
                 continue
-            first, second = trees.parts[waiting[count], 0], trees.parts[waiting[count], 1]
-            if second < 0:
-                for k in range(first, first - 1 - second):
-                    x, y, z = _moved(R, t, trees.points[k])
+            first, leaf = parts[waiting[count], 0], parts[waiting[count], 1]
+            if leaf:
+                for k in range(first, first + leaf):
+                    x, y, z = _moved(R, t, points, k)
                     if _bound_at(known, x, y, z) >= enough or not _covers(coarse, x, y, z):
                         continue
-                    value = _value_at(fine if _covers(fine, x, y, z) else coarse, x, y, z)
+                    value = _value_at(fine, x, y, z) if _covers(fine, x, y, z) else _value_at(coarse, x, y, z)
                     if value < values[number]:
                         values[number], enough = value, near_enough(value, least[number])
                         nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
                 continue
-            x, y, z = _moved(R, t, trees.centers[first])
+            second = first + 1
+            x, y, z = _moved(R, t, balls, first)
             one = _bound_at(known, x, y, z)
             if math.isnan(one):
                 one = _bound_far_away(coarse, error, x, y, z)
-            one -= trees.radii[first]
-            x, y, z = _moved(R, t, trees.centers[second])
+            one -= balls[first, 3]
+            x, y, z = _moved(R, t, balls, second)
             other = _bound_at(known, x, y, z)
             if math.isnan(other):
                 other = _bound_far_away(coarse, error, x, y, z)
-            other -= trees.radii[second]
+            other -= balls[second, 3]
             if one < other:  # the nearer one is taken first: it comes last
                 first, second, one, other = second, first, other, one
             waiting[count], bounds[count] = first, one
@@ -279,8 +281,9 @@ def near_enough(value: float, least: float) -> float:
 
 
 @compiled
-def _moved(R: Array, t: Array, point: Array) -> tuple[float, float, float]:
-    a, b, c = point[0], point[1], point[2]
+def _moved(R: Array, t: Array, places: Array, which: int) -> tuple[float, float, float]:
+    """Return one of some places, shape (n, 3) or more, in the frame that R and t lead to."""
+    a, b, c = places[which, 0], places[which, 1], places[which, 2]
     return (
         R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + t[0],
         R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + t[1],

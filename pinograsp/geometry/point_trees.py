@@ -28,12 +28,11 @@ class PointTrees(NamedTuple):
     """Number of the body that each set is fixed to, shape (sets,)."""
     roots: Indices
     """Ball of each set that holds all of it, shape (sets,)."""
-    centers: Array
-    """Of the balls, m, shape (balls, 3)."""
-    radii: Array
-    """m, shape (balls,)."""
+    balls: Array
+    """Centre and radius, m, shape (balls, 4)."""
     parts: Indices
-    """Two children of a ball; if it is not divided, its first point and -1 less their number; shape (balls, 2)."""
+    """The first of the two children of a ball, which follow each other, and 0; if it is not divided, its first point
+    and their number; shape (balls, 2)."""
     points: Array
     """m, shape (points, 3)."""
 
@@ -46,46 +45,50 @@ def point_trees(sets: Sequence[Array], bodies: Sequence[int]) -> PointTrees:
 
 
 @compiled
-def _divided(points: Array, sizes: Indices) -> tuple[Indices, Array, Array, Indices, Array]:
-    """Return roots, centers, radii, parts and points of trees of so many points each."""
+def _divided(points: Array, sizes: Indices) -> tuple[Indices, Array, Indices, Array]:
+    """Return roots, balls, parts and points of trees of so many points each."""
     most = 2 * len(points)
-    roots, parts = np.empty(len(sizes), dtype=np.intp), np.empty((most, 2), dtype=np.intp)
-    centers, radii = np.empty((most, 3)), np.empty(most)
-    order, balls, begin = np.arange(len(points)), 0, 0
-    waiting = np.empty((_DEPTH, 2), dtype=np.intp)  # first and last points of balls that are not made yet
-    above = np.empty((_DEPTH, 2), dtype=np.intp)  # the balls that they are parts of, and which
+    roots, balls, parts = np.empty(len(sizes), dtype=np.intp), np.empty((most, 4)), np.empty((most, 2), dtype=np.intp)
+    order, made, begin = np.arange(len(points)), 0, 0
+    waiting = np.empty((_DEPTH, 3), dtype=np.intp)  # balls, and their first and last points
     for tree in range(len(sizes)):
-        roots[tree] = balls
-        waiting[0, 0], waiting[0, 1], above[0, 0] = begin, begin + sizes[tree], -1
-        begin, count = begin + sizes[tree], 1
+        roots[tree] = made
+        waiting[0, 0], waiting[0, 1], waiting[0, 2] = made, begin, begin + sizes[tree]
+        begin, made, count = begin + sizes[tree], made + 1, 1
         while count:
             count -= 1
-            first, last = waiting[count, 0], waiting[count, 1]
-            if above[count, 0] >= 0:
-                parts[above[count, 0], above[count, 1]] = balls
+            ball, first, last = waiting[count]
             own = points[order[first:last]]
-            widest, longest, square = 0, -1.0, 0.0
-            for axis in range(3):
-                low, high = own[:, axis].min(), own[:, axis].max()
-                centers[balls, axis] = 0.5 * (low + high)
-                if high - low > longest:
-                    widest, longest = axis, high - low
-            for k in range(len(own)):
-                away = own[k] - centers[balls]
-                square = max(square, away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
-            radii[balls] = math.sqrt(square)
+            widest = _surround(own, balls[ball])
             if last - first <= LEAF:
-                parts[balls, 0], parts[balls, 1] = first, -1 - (last - first)
-            else:
-                order[first:last] = order[first:last][own[:, widest].argsort(kind="mergesort")]
-                half = first + (last - first) // 2
-                waiting[count, 0], waiting[count, 1] = half, last
-                waiting[count + 1, 0], waiting[count + 1, 1] = first, half  # the first half is made first
-                above[count : count + 2, 0] = balls
-                above[count, 1], above[count + 1, 1] = 1, 0
-                count += 2
-            balls += 1
-    return roots, centers[:balls].copy(), radii[:balls].copy(), parts[:balls].copy(), points[order]
+                parts[ball, 0], parts[ball, 1] = first, last - first
+                continue
+            order[first:last] = order[first:last][own[:, widest].argsort(kind="mergesort")]
+            half = first + (last - first) // 2
+            parts[ball, 0], parts[ball, 1] = made, 0
+            waiting[count, 0], waiting[count, 1], waiting[count, 2] = made + 1, half, last
+            waiting[count + 1, 0], waiting[count + 1, 1], waiting[count + 1, 2] = made, first, half
+            made, count = made + 2, count + 2
+    return roots, balls[:made].copy(), parts[:made].copy(), points[order]
+
+
+@compiled
+def _surround(points: Array, ball: Array) -> int:
+    """Write centre and radius of a ball around points, shape (n, 3); return the axis along which these reach farthest.
+
+    The centre is that of their bounding box.
+    """
+    widest, longest, square = 0, -1.0, 0.0
+    for axis in range(3):
+        low, high = points[:, axis].min(), points[:, axis].max()
+        ball[axis] = 0.5 * (low + high)
+        if high - low > longest:
+            widest, longest = axis, high - low
+    for k in range(len(points)):
+        x, y, z = points[k, 0] - ball[0], points[k, 1] - ball[1], points[k, 2] - ball[2]
+        square = max(square, x * x + y * y + z * z)
+    ball[3] = math.sqrt(square)
+    return widest
 
 
 @compiled
@@ -100,24 +103,25 @@ def deepest_point(trees: PointTrees, normals: Array, offsets: Array) -> tuple[fl
     least, nearest, facet, last = np.inf, np.zeros(3), 0, 0
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
     waiting[0], bounds[0] = trees.roots[0], -np.inf
-    parts, points, centers, radii = trees.parts, trees.points, trees.centers, trees.radii
+    balls, parts, points = trees.balls, trees.parts, trees.points
     count = 1
     while count:
         count -= 1
         if bounds[count] >= least:
             continue
-        first, second = parts[waiting[count], 0], parts[waiting[count], 1]
-        if second < 0:
-            for k in range(first, first - 1 - second):
+        first, leaf = parts[waiting[count], 0], parts[waiting[count], 1]
+        if leaf:
+            for k in range(first, first + leaf):
                 value, last = _outside(normals, offsets, points[k], least, last)
                 if value < least:
                     least, facet = value, last
                     nearest[:] = points[k]
             continue
-        one, last = _outside(normals, offsets, centers[first], least + radii[first], last)
-        other, last = _outside(normals, offsets, centers[second], least + radii[second], last)
-        one -= radii[first]
-        other -= radii[second]
+        second = first + 1
+        one, last = _outside(normals, offsets, balls[first], least + balls[first, 3], last)
+        other, last = _outside(normals, offsets, balls[second], least + balls[second, 3], last)
+        one -= balls[first, 3]
+        other -= balls[second, 3]
         if one < other:
             first, second, one, other = second, first, other, one
         waiting[count], bounds[count] = first, one

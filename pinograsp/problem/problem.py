@@ -25,6 +25,9 @@ COST_SCALE = 1e-3
 DEPENDENT = 1e-4
 """Singular value, in parts of the largest, below which equalities count as dependent."""
 
+KEPT = 4
+"""States that a problem keeps: solves, and steps of them, begin where the ones before have ended."""
+
 Part = TypeVar("Part")
 
 
@@ -84,6 +87,7 @@ class GraspProblem:
         }
         self.rows = Rows(_rows(self._equalities), _rows(self._inequalities))
         self._data = model.robot.model.createData()
+        self._states: dict[bytes, State] = {}
         low, high = model.parameter_limits.T
         self.lower = np.concatenate([model.lower, low])
         self.upper = np.concatenate([model.upper, high])
@@ -94,8 +98,15 @@ class GraspProblem:
         return [constraint for constraint in self.constraints if constraint.kind == kind]
 
     def state(self, x: Array) -> State:
-        """Return the state at x."""
-        return State(self.model, self._data, x, self._desired)
+        """Return the state at x; the last few are kept, with all that was measured there."""
+        key = x.tobytes()
+        state = self._states.pop(key, None)
+        if state is None:
+            state = State(self.model, self._data, x.copy(), self._desired)
+        self._states[key] = state
+        if len(self._states) > KEPT:
+            del self._states[next(iter(self._states))]
+        return state
 
     def evaluate(self, x: Array) -> Evaluation:
         """Return cost and constraints with gradients at x."""

@@ -23,9 +23,9 @@ DONE = 1e-5
 """Norm of the scaled residual below which a descent is done: 0.1 micrometre."""
 STALLED = 0.05
 """A descent ends after two steps that each lessen the squared residual by less than this part."""
-HOPELESS = 10
+HOPELESS = 6
 """A descent ends after so many trials in a row that have not lessened it by that part, all in all."""
-INITIAL_DAMPING = 40.0
+INITIAL_DAMPING = 20.0
 LEAST_DAMPING = 1e-9
 """With less, where variables move nothing, a step has no solution in floating-point numbers."""
 YIELDING = ((1.0, 0.3), (0.3, 1.0), (0.1, 1.0))
@@ -73,7 +73,14 @@ def _yield_to_clearances(problem: GraspProblem, x: Array) -> Array:
 
 
 def descend(
-    problem: GraspProblem, targets: float, clearances: float, x: Array, stalled: float, sliding: bool = True
+    problem: GraspProblem,
+    targets: float,
+    clearances: float,
+    x: Array,
+    stalled: float,
+    *,
+    sliding: bool = True,
+    done: float = DONE,
 ) -> Array:
     """Return where Levenberg-Marquardt steps on `GraspProblem.projection_residual` lead, within bounds, shape (v,).
 
@@ -83,11 +90,19 @@ def descend(
     if not sliding:
         unit[problem.model.robot.posture_size :] = 0.0
     bounds = problem.lower, problem.upper
-    return least_squares(lambda at: problem.projection_residual(at, targets, clearances), x, unit, bounds, stalled)
+    return least_squares(
+        lambda at: problem.projection_residual(at, targets, clearances), x, unit, bounds, stalled=stalled, done=done
+    )
 
 
 def least_squares(
-    residual_at: Callable[[Array], Residual], x: Array, unit: Array, bounds: tuple[Array, Array], stalled: float = 0.0
+    residual_at: Callable[[Array], Residual],
+    x: Array,
+    unit: Array,
+    bounds: tuple[Array, Array],
+    *,
+    stalled: float = 0.0,
+    done: float = DONE,
 ) -> Array:
     """Return where Levenberg-Marquardt steps lead, within bounds, shape (v,).
 
@@ -97,6 +112,7 @@ def least_squares(
         unit: steps of the variables that count alike; of those that stay 0, shape (v,).
         bounds: of x, both of shape (v,).
         stalled: part of the squared residual by which steps lessen it at least.
+        done: norm of the residual below which it is small.
     """
     lower, upper = bounds
     damping = INITIAL_DAMPING
@@ -104,7 +120,7 @@ def least_squares(
     square = float(residual.values @ residual.values)
     slow, reached, since = 0, square, 0
     for _ in range(MAX_STEPS):
-        if square < DONE**2 or slow == 2 or since == HOPELESS:
+        if square < done**2 or slow == 2 or since == HOPELESS:
             break
         since += 1
         step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(x, lower, upper))

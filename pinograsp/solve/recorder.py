@@ -61,8 +61,11 @@ def program_from(recorder: Recorder, x: Array) -> Program:
     free, unit = problem.free, problem.model.robot.step_units
     basis = problem.equality_basis(recorder.at(x))
     lower, upper = (problem.lower / unit)[free], (problem.upper / unit)[free]
+    start = np.clip((x / unit)[free], lower, upper)
 
     def at(z: Array) -> Evaluation:
+        if np.array_equal(z, start):
+            return recorder.at(x)  # from which z * unit differs by rounding
         point = problem.lower.copy()
         point[free] = z * unit[free]
         return recorder.at(point)
@@ -80,7 +83,7 @@ def program_from(recorder: Recorder, x: Array) -> Program:
         return residual.values, (residual.jacobian * unit)[:, free]
 
     return Program(
-        start=np.clip((x / unit)[free], lower, upper),
+        start=start,
         lower=lower,
         upper=upper,
         cost=cost,

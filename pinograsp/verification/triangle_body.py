@@ -112,7 +112,7 @@ class TriangleBody:
         self._beside = neighbours(pieces)
         known = kept("bodies", self._key(), self._known, lambda found: found, dict)
         self._front, self._back, self._plain = known["front"], known["back"], known["plain"]
-        bounding = known["bounding"]
+        self._bounds = bounding = np.asarray(known["bounding"])
         self.faces = np.ascontiguousarray(self._around[np.unique(owners[bounding])])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
         self._skin = self._whole if bounding.all() else _Tree(vertices, np.ascontiguousarray(pieces[bounding]))
@@ -144,7 +144,9 @@ class TriangleBody:
         points = np.ascontiguousarray(points)
         found, numbers, feet = self._whole.nearest(points)
         inside = self._inside(points, numbers, feet)
-        found[inside] = -found[inside] if self._skin is self._whole else -self._skin.nearest(points[inside])[0]
+        found[inside] *= -1.0
+        hidden = inside & ~self._bounds[numbers]
+        found[hidden] = -self._skin.nearest(points[hidden])[0]
         return found
 
     def _inside(self, points: Array, numbers: Indices, feet: Array) -> Mask:

@@ -108,6 +108,28 @@ def smooth_minima(above: Array, gradients: Array, links: Indices, counts: Indice
 
 
 @compiled
+def bent_rows(
+    above: Array, gradients: Array, rows: Indices, count: int, variables: int, reach: float
+) -> tuple[Array, Array]:
+    """Return phi of values that are rows of their own and its gradient, shapes (rows,), (rows, variables).
+
+    Args:
+        above: distances less margins of the rows that were measured, m, shape (k,).
+        gradients: of these in the first variables, shape (k, p).
+        rows: which they are, shape (k,).
+        count: rows, measured or not.
+        variables: number of these.
+        reach: where phi has become constant, m.
+    """
+    values, jacobian = np.full(count, bend(reach, reach)[0]), np.zeros((count, variables))
+    for k in range(len(above)):
+        values[rows[k]], slope = bend(above[k], reach)
+        for variable in range(gradients.shape[1]):
+            jacobian[rows[k], variable] = slope * gradients[k, variable]
+    return values, jacobian
+
+
+@compiled
 def bend(above: float, reach: float) -> tuple[float, float]:
     """Return phi and its slope, for one value, m."""
     span = reach - NEAR

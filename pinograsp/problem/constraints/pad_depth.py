@@ -8,15 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from ...collision.distances import REACH
 from ...collision.object_points import pad_points
 from ...collision.pairs import PAD_CLEARANCE
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
 from ..task_model import TaskModel
-from .clearance import bend
+from .clearance import bent_rows
 
 
 class PadDepth(Inside):
@@ -35,14 +33,8 @@ class PadDepth(Inside):
 
     def inside(self, state: State) -> Residual:
         measured = state.object_distances(self._points)
-        values = np.full(len(self.rows), bend(REACH, REACH)[0])
-        jacobian = np.zeros((len(self.rows), len(state.x)))
-        for row, above, gradient in zip(
-            measured.indices, measured.values - self._points.least[measured.indices], measured.gradients, strict=True
-        ):
-            values[row], slope = bend(above, REACH)
-            jacobian[row, : len(gradient)] = slope * gradient
-        return Residual(values, jacobian)
+        above = measured.values - self._points.least[measured.indices]
+        return Residual(*bent_rows(above, measured.gradients, measured.indices, len(self.rows), len(state.x), REACH))
 
     def violations(self, state: State) -> list[Violation]:
         found = self.largest_violation(state, "mm", 1e3, self._links)
