@@ -26,9 +26,9 @@ SHORT = 0.25
 
 If none of them does, the one that came furthest goes on with the rest.
 """
-PROPOSED = 3.0
-"""Tolerance of the cost where contacts are proposed, in parts of the one of the options, which is for Phi: without it
-the cost is some tenths, and most of that is tilt within what the rubber evens out.
+PROPOSED = 10.0
+"""Tolerance of the cost where contacts are proposed, in parts of the one of the options, which is for Phi: 0.01 in U.
+Without Phi the cost is some tenths, and most of that is tilt within what the rubber evens out.
 """
 
 
