@@ -24,7 +24,7 @@ from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.kinematics.batch import BatchKinematics
 from pinograsp.kinematics.contacts import contact_kinematics
 from pinograsp.kinematics.forward import Configuration, forward
-from pinograsp.kinematics.hand_posture import widest_jaw
+from pinograsp.kinematics.hand_posture import jaw_range
 from pinograsp.kinematics.robot import SLIDE_STEP, SLIP_STEP, TURN_STEP
 from pinograsp.results.provenance import provenance
 from pinograsp.verification.check import Verifier
@@ -572,10 +572,10 @@ def test_gap_and_directions_of_the_paper_hand(paper: Robot, sigma: float) -> Non
 @pytest.mark.paper
 def test_stroke_and_synergy_of_the_paper_hand(paper: Robot) -> None:
     """The jaw takes the paper's sphere (r 37.3 mm) and can (r 42.3 mm); S has the signs of eq. (19)."""
-    widest = widest_jaw(paper)
-    assert widest is not None
-    assert 1e3 * widest == pytest.approx(25.2 - 2 * 57.3 * math.cos(2.119), abs=1e-9)
-    assert 2 * 42.3 < 1e3 * widest < 85.0
+    jaw = jaw_range(paper)
+    assert jaw is not None
+    assert 1e3 * jaw[1] == pytest.approx(25.2 - 2 * 57.3 * math.cos(2.119), abs=1e-9)
+    assert 2 * 42.3 < 1e3 * jaw[1] < 85.0
     hand = [paper.joint_names[i] for i in paper.hand_joints]
     signs = dict(zip(hand, paper.synergies[:, 0], strict=True))
     assert signs == {"left_shoulder": 1.0, "left_knuckle": -1.0, "right_shoulder": -1.0, "right_knuckle": 1.0}

@@ -212,6 +212,24 @@ def test_a_wider_jaw_is_a_narrower_object(room: Scene, shape: Any, narrower: Any
         assert getattr(there.objects["ball"].shape, key) == pytest.approx(value)
 
 
+@pytest.mark.parametrize(
+    ("jaw", "radii"), [((0.07, 0.1), [0.032]), ((0.0, 0.05), [0.028]), ((0.062, 0.1), [0.032]), (None, [0.028])]
+)
+def test_what_is_thinner_than_the_jaw_closes_is_made_wider(
+    room: Scene, jaw: tuple[float, float] | None, radii: list[float]
+) -> None:
+    body = Object(shape=Sphere(radius=0.03), pose=Pose(position=(0.0, 0.0, 0.222)))
+    scene = room.with_object("ball", body).with_task("ball", desired_contacts=None)
+    failure = Failure(scene, "ball", np.zeros(3), (), ("objects.shape",), jaw=jaw)
+    found = [change for change in suitable(failure) if change.kind == "jaw"]
+    there = [
+        Remedy("jaw", "", 0.0, "m", c.variants[0].changes(0.004), 0, 0).apply(scene).objects["ball"] for c in found
+    ]
+    assert [cast(Sphere, body.shape).radius for body in there] == pytest.approx(radii)
+    closes = found[0].variants[0].text(0.004) == "a jaw that closes 4.0 mm further, or 'ball' wider by as much"
+    assert closes == (radii == [0.032])
+
+
 def test_what_is_in_the_way_is_what_is_near_where_nothing_is_named(room: Scene) -> None:
     def post(x: float) -> Body:
         return Body(shape=Sphere(radius=0.02), pose=Pose(position=(x, 0.0, 0.222)))

@@ -72,17 +72,17 @@ def hand_opening(robot: Robot) -> Array:
     return _best(robot, lambda pads: -float(_distances(pads.points).sum()))
 
 
-def widest_jaw(robot: Robot) -> float | None:
-    """Return the greatest distance between two flat pads that face each other, m; None if no two ever do."""
-    widest: float | None = None
+def jaw_range(robot: Robot) -> tuple[float, float] | None:
+    """Return the least and the greatest distance of two flat pads that face each other, m; None if no two ever do."""
+    gaps = list[float]()
     flat = [i for i, pad in enumerate(robot.pads) if isinstance(pad.patch, PlanePatch | LinePatch)]
     for _, pads in synergy_postures(robot) if len(flat) > 1 else ():
         for i, j in itertools.combinations(flat, 2):
             if pads.normals[i] @ pads.normals[j] < -FACING:
                 gap = float((pads.points[j] - pads.points[i]) @ pads.normals[i])
                 if gap > -PASSED:
-                    widest = gap if widest is None else max(widest, gap)
-    return widest
+                    gaps.append(gap)
+    return (min(gaps), max(gaps)) if gaps else None
 
 
 def always_parallel(robot: Robot) -> bool:

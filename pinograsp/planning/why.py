@@ -13,6 +13,7 @@ from ..database.store import Database
 from ..descriptions import Scene
 from ..errors import TaskError
 from ..interrupts import taken
+from ..kinematics.hand_posture import jaw_range
 from ..kinematics.reach import arm_reach
 from ..kinematics.robot import Robot
 from ..problem import TaskModel
@@ -74,7 +75,7 @@ def explained(
         bodies = tuple(dict.fromkeys(cause.body for cause in found.causes if cause.body))
     if not (found.verified or found.interrupted):
         base = arm_reach(robot.mounted(scene.mounting.matrix))[0]
-        failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss, found.done)
+        failure = Failure(scene, task, base, bodies, kinds, found.nearest_miss, jaw_range(robot), found.done)
         kept, tried, ended = list[Remedy](), list[Tried](), False
         try:
             end = time.perf_counter() + deadline

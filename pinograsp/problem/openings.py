@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import TaskError
 from ..kinematics.grips import grips
-from ..kinematics.hand_posture import always_parallel, widest_jaw
+from ..kinematics.hand_posture import always_parallel, jaw_range
 from .task_model import TaskModel
 
 COARSE = 0.001
@@ -57,8 +57,8 @@ def _turned_away(model: TaskModel, turned: float, beside: str) -> list[str]:
 
 
 def _jaw_wide_enough(model: TaskModel) -> None:
-    widest = widest_jaw(model.robot)
-    if widest is not None and widest < model.surface.least_width:
+    jaw = jaw_range(model.robot)
+    if jaw is not None and (widest := jaw[1]) < model.surface.least_width:
         raise TaskError(
             f"the pads open to {1e3 * widest:.1f} mm, but {model.task.object!r} is at least "
             f"{1e3 * model.surface.least_width:.1f} mm wide",

@@ -54,7 +54,8 @@ class Remedy(Record):
     """SI; empty for a number of starts."""
     changes: Mapping[str, Any]
     """New values by their place in the scene, a JSON array of keys, such as '["tasks", "can", "margin"]'. Those of a
-    "jaw" make the object narrower by as much as the jaw would have to open wider: a hand is not the scene's to change.
+    "jaw" make the object narrower by as much as the jaw would have to open wider, or wider by as much as it would have
+    to close further: a hand is not the scene's to change.
     """
     verified: int
     """Starts of the changed scene that ended in a verified grasp, with another seed."""

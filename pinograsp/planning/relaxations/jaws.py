@@ -1,4 +1,4 @@
-"""Wider jaws, as an object that is narrower."""
+"""Jaws that open wider, as an object that is narrower; those that close further, as one that is wider."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from ...geometry.shapes import surface_of
 from .variant import SMALL, Change, Failure, Variant, place
 
 REFUSED = "objects.shape"
-"""Key of the refusal of an object that the jaw is too narrow for."""
+"""Key of the refusal of an object that does not fit the jaw."""
 
 
 def jaws(failure: Failure) -> Iterator[Change]:
-    """Yield a wider jaw, as an object that is so much narrower between its desired contacts.
+    """Yield a jaw that opens wider, as an object that is so much narrower between its desired contacts, or across.
 
-    Contacts that are proposed fit the jaw: without desired ones only an object that is refused needs a wider one.
+    Contacts that are proposed fit the jaw: without desired ones only an object that is refused needs another one. If it
+    is thinner than the jaw closes, that is one that closes further.
     """
     task, body = failure.task, failure.target
     if task.desired_contacts is None and REFUSED not in failure.kinds:
@@ -29,7 +30,10 @@ def jaws(failure: Failure) -> Iterator[Change]:
     points = np.array(task.desired_contacts or ()).reshape(-1, 3)
     if len(points) not in (0, 2):
         return
-    normals = surface_of(body.shape).signed_distance(points)[1] if len(points) else points
+    surface = surface_of(body.shape)
+    normals = surface.signed_distance(points)[1] if len(points) else points
+    widths = [surface.extent(axis) + surface.extent(-axis) for axis in np.eye(3)]
+    least, most = failure.jaw or (0.0, 0.0)
 
     def changes(size: float) -> Mapping[str, Any]:
         shape = _narrower(body, normals, size)
@@ -45,13 +49,24 @@ def jaws(failure: Failure) -> Iterator[Change]:
     def tried(size: float) -> str:
         return f"a jaw that opens up to {1e3 * size:.1f} mm wider, or {task.object!r} narrower by as much"
 
-    yield Change("jaw", "m", 1e-4, SMALL, (Variant(changes, lambda size: size, text),), tried)
+    def closing(size: float) -> str:
+        return f"a jaw that closes {1e3 * size:.1f} mm further, or {task.object!r} wider by as much"
+
+    def tried_closing(size: float) -> str:
+        return f"a jaw that closes up to {1e3 * size:.1f} mm further, or {task.object!r} wider by as much"
+
+    if not len(points) and min(widths) < least:
+        closes = Variant(lambda size: changes(-size), lambda size: size, closing)
+        yield Change("jaw", "m", 1e-4, SMALL, (closes,), tried_closing)
+    if len(points) or max(widths) > most:
+        opens = Variant(changes, lambda size: size, text)
+        yield Change("jaw", "m", 1e-4, SMALL, (opens,), tried)
 
 
 def _narrower(body: Body, normals: Array, size: float) -> Mapping[str, Any]:
     """Return the shape of a body that is narrower across the normals, or where it is narrowest, as JSON data.
 
-    A mesh is made smaller as a whole.
+    A mesh is made smaller as a whole. Where the size is negative, it is wider by as much.
 
     Raises:
         InputError: there is no such shape.

@@ -30,6 +30,8 @@ class Failure:
     """Constraints that are violated, the most frequent first; keys of the scene that a refusal names."""
     nearest_miss: Grasp | None = None
     """The posture that came nearest to a grasp."""
+    jaw: tuple[float, float] | None = None
+    """Least and greatest distance of two pads that face each other, m; None: not known."""
     done: int = 0
     """Starts that were solved; 0: the task was refused."""
 
