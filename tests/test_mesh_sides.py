@@ -1,4 +1,4 @@
-"""On which side of triangles a body is: one look tells of many."""
+"""On which side of triangles a body is."""
 
 from __future__ import annotations
 

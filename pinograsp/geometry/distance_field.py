@@ -34,7 +34,7 @@ from .field_kernels import AROUND, coarse_values
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 6
+VERSION = 7
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
-import igl
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
+from .triangle_tree import TriangleTree, nearest, triangle_tree
+from .winding import Winding
 
 
 class ExactDistance:
@@ -27,25 +27,20 @@ class ExactDistance:
         """The faces to which distances are measured, shape (g, 3)."""
 
     @cached_property
-    def _tree(self) -> Any:
-        tree = igl.AABB()
-        tree.init(self.vertices, self.bounding)
-        return tree
+    def _tree(self) -> TriangleTree:
+        return triangle_tree(self.vertices, self.bounding)
 
     @cached_property
-    def _around(self) -> Any:
-        around = igl.FastWindingNumberBVH()
-        around.init(self.vertices, self.faces)
-        return around
+    def _around(self) -> Winding:
+        return Winding(self.vertices, self.faces)
 
     def unsigned(self, points: Array) -> Array:
         """Return the distances of points, shape (n, 3), to the surface, m, shape (n,)."""
-        squares = self._tree.squared_distance(self.vertices, self.bounding, np.ascontiguousarray(points))[0]
-        return np.asarray(np.sqrt(squares))
+        return nearest(self._tree, points)[0]
 
     def inside(self, points: Array) -> Mask:
         """Return which of the points, shape (n, 3), are inside: small holes do not spoil it."""
-        return np.asarray(self._around.winding_number(np.ascontiguousarray(points)) > 0.5)
+        return np.asarray(self._around.numbers(points) > 0.5)
 
     def signed(self, points: Array) -> Array:
         """Return the signed distances of points, shape (n, 3), negative inside, m, shape (n,)."""

@@ -20,6 +20,7 @@ from .mesh_holes import hole_caps
 from .mesh_parts import components, corners_of, edges_of, parts_of, signed_volumes
 from .mesh_sides import OuterSides
 from .no_body import NoBodyError, in_brackets
+from .winding import Winding
 
 NEAR = 1e-6
 """Corners that are nearer than this part of the body's extent are one."""
@@ -147,7 +148,7 @@ def _outward(vertices: Array, faces: Integers) -> tuple[Integers, list[str]]:
     if not negative.all():
         first = np.unique(part, return_index=True)[1][negative]
         around = np.ascontiguousarray(faces[~negative[part]])
-        hollow = igl.fast_winding_number(vertices, around, vertices[faces[first, 0]]) > 0.5
+        hollow = Winding(vertices, around).numbers(vertices[faces[first, 0]]) > 0.5
         negative[np.flatnonzero(negative)[hollow]] = False
     turned = negative[part]
     if not turned.any():

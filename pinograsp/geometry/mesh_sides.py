@@ -1,21 +1,17 @@
 """How often a surface goes around the places just outside of its own triangles.
 
-The winding number is the same at both ends of a way that meets no triangle. So it is the same beside all triangles that
-hang together by edges of two, as long as no other triangle crosses them or comes nearer than the way is off: one look
-tells of all of these. What others cross or come near to is looked at triangle by triangle.
+It is looked at the middle of every triangle. What has no outside there may still reach out of the parts that it lies in
+where these cross it: it is looked at more places.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
-import igl
-import igl.predicates
 import numpy as np
 
 from ..arrays import Array, Indices, Integers, Mask
-from .mesh_parts import components, edges_of
+from .winding import Winding
 
 OFF = 1e-5
 """How far from a triangle it is looked, in parts of the mesh's extent."""
@@ -44,22 +40,17 @@ class OuterSides:
         self._normals /= np.where(lengths > 0.0, lengths, 1.0)[:, None]
         self.areas = 0.5 * lengths
         """Of the triangles, m^2, shape (f,)."""
-        self._around = igl.FastWindingNumberBVH()
-        self._around.init(vertices, self._faces)
+        self._around = Winding(vertices, self._faces)
 
     @cached_property
     def windings(self) -> Array:
         """How often the surface goes around the middle of each outer side, shape (f,): 0 where it bounds the body."""
-        patch = components(self._pairs[self._plain[self._pairs].all(axis=1)], len(self._faces))
-        order = np.argsort(self.areas, kind="stable")
-        largest = np.zeros(int(patch.max()) + 1, dtype=np.intp)
-        largest[patch[order]] = order  # the last one counts
-        return np.asarray(self._looked(largest, MIDDLE)[:, 0][patch])
+        return self._looked(np.arange(len(self._faces)), MIDDLE)[:, 0]
 
     def outer(self) -> Mask:
         """Return which triangles do not lie wholly inside the body, shape (f,)."""
         outer = self.windings < 0.5
-        within = np.flatnonzero(~outer & ~self._plain)
+        within = np.flatnonzero(~outer)
         outer[within] = (self._looked(within, _places(FEWEST)) < 0.5).any(axis=1)
         within = within[~outer[within]]
         corners = self._vertices[self._faces[within]]
@@ -69,27 +60,6 @@ class OuterSides:
             some = within[counts == count]
             outer[some] = (self._looked(some, _places(count)) < 0.5).any(axis=1)
         return outer
-
-    @cached_property
-    def _plain(self) -> Mask:
-        """Which triangles no other one crosses or touches, but at common corners and edges, or comes near to."""
-        plain = np.ones(len(self._faces), dtype=bool)
-        _, pairs, _ = igl.predicates.find_self_intersections(self._vertices, self._faces)
-        plain[pairs] = False
-        tree: Any = igl.AABB()
-        tree.init(self._vertices, self._faces)
-        asked = np.flatnonzero(plain)
-        nearest = tree.squared_distance(self._vertices, self._faces, self._beside(asked, MIDDLE))[1]
-        plain[asked[nearest != asked]] = False
-        return plain
-
-    @cached_property
-    def _pairs(self) -> Integers:
-        """Triangles that have an edge in common which is that of no other one, and face the same way, shape (n, 2)."""
-        _, edge, direction, counts = edges_of(self._faces)
-        joined = (counts == 2) & (np.bincount(edge, weights=direction) == 0.0)
-        sides = np.argsort(edge, kind="stable")
-        return np.asarray(sides[joined[edge[sides]]].reshape(-1, 2) // 3)
 
     def _beside(self, picked: Indices, shares: Array) -> Array:
         """Return places on the outer sides of triangles, shape (n k, 3), m.
@@ -104,8 +74,7 @@ class OuterSides:
 
     def _looked(self, picked: Indices, shares: Array) -> Array:
         """Return the winding numbers at these places, shape (n, k)."""
-        windings = self._around.winding_number(self._beside(picked, shares))
-        return np.asarray(windings).reshape(len(picked), len(shares))
+        return self._around.numbers(self._beside(picked, shares)).reshape(len(picked), len(shares))
 
 
 def _places(count: int) -> Array:

@@ -1,0 +1,89 @@
+"""Nearest triangles and winding numbers of the geometry, against libigl's."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+import pytest
+import trimesh
+from meshes import ball, box
+
+from pinograsp.arrays import Array, Integers
+from pinograsp.geometry.triangle_tree import nearest, triangle_tree
+from pinograsp.geometry.winding import WAYS, Winding
+
+
+def _parts(mesh: trimesh.Trimesh) -> tuple[Array, Integers]:
+    return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+
+
+BODIES = {
+    "one triangle": lambda: trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+    "box": lambda: box([-1, -1, -1], [1, 1, 1]),
+    "ball": lambda: ball(1.0, subdivisions=3),
+    "needles": lambda: trimesh.creation.cylinder(0.3, 2.0, sections=400),
+    "two that overlap": lambda: trimesh.util.concatenate([ball(1.0), box([0, 0, 0], [1.5, 1.5, 1.5])]),
+    "shell": lambda: trimesh.util.concatenate([ball(1.0), trimesh.Trimesh(*_inverted(ball(0.7)))]),
+}
+
+
+def _inverted(mesh: trimesh.Trimesh) -> tuple[Array, Integers]:
+    vertices, faces = _parts(mesh)
+    return vertices, faces[:, ::-1]
+
+
+def _around(vertices: Array, rng: np.random.Generator) -> Array:
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    lattice = np.stack(np.meshgrid(*np.linspace(low - 0.3, high + 0.3, 9).T, indexing="ij"), axis=-1).reshape(-1, 3)
+    return np.concatenate([rng.uniform(low - 0.5, high + 0.5, (2000, 3)), lattice])
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_nearest_triangles(name: str) -> None:
+    vertices, faces = _parts(BODIES[name]())
+    points = _around(vertices, np.random.default_rng(0))
+    squares, _, _ = igl.point_mesh_squared_distance(points, vertices, faces)
+    distances, numbers = nearest(triangle_tree(vertices, faces), points)
+    np.testing.assert_allclose(distances, np.sqrt(squares), atol=1e-12)
+    own = np.sqrt(
+        [
+            igl.point_mesh_squared_distance(p[None], vertices, faces[k : k + 1])[0][0]
+            for p, k in zip(points, numbers, strict=True)
+        ]
+    )
+    np.testing.assert_allclose(own, distances, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", [name for name in BODIES if name != "one triangle"])
+def test_winding_numbers(name: str) -> None:
+    """Also of points in the planes of triangles, on the ways through their corners and edges."""
+    vertices, faces = _parts(BODIES[name]())
+    points = _around(vertices, np.random.default_rng(0))
+    points = points[nearest(triangle_tree(vertices, faces), points)[0] > 1e-6]
+    np.testing.assert_allclose(
+        Winding(vertices, faces).numbers(points), igl.winding_number(vertices, faces, points), atol=1e-7
+    )
+
+
+def test_winding_numbers_next_to_an_opening() -> None:
+    """A ball without a cap, and with a slit: they change along the way by the solid angle of the opening."""
+    vertices, faces = _parts(ball(1.0, subdivisions=3))
+    faces = np.delete(faces[~(vertices[faces][:, :, 2] > 0.8).all(axis=1)], 100, axis=0)
+    points = np.random.default_rng(0).uniform(-1.3, 1.3, (3000, 3))
+    exact = igl.winding_number(vertices, faces, points)
+    found = Winding(vertices, faces).numbers(points)
+    assert np.abs(found - exact).max() < 0.1
+    near = np.linalg.norm(points - [0.0, 0.0, 0.85], axis=1) < 0.8
+    assert np.ptp(exact[near]) > 0.5
+    np.testing.assert_allclose(found[near], exact[near], atol=0.01)
+
+
+def test_ways_through_corners_and_edges() -> None:
+    """Points from which the way goes through a corner, or the middle of an edge, exactly."""
+    vertices, faces = _parts(box([-1, -1, -1], [1, 1, 1]))
+    ends = np.concatenate([vertices, vertices[faces[:, [0, 1]]].mean(axis=1)])
+    along = np.array([*WAYS[0], 1.0])
+    points = np.concatenate([ends - share * along for share in (0.125, 0.25, 0.5, 4.0)])
+    points = points[nearest(triangle_tree(vertices, faces), points)[0] > 1e-6]
+    inside = (np.abs(points) < 1.0).all(axis=1)
+    np.testing.assert_array_equal(Winding(vertices, faces).numbers(points), inside)
