@@ -68,16 +68,16 @@ def test_rank(run: Run, result: Result, file: Path, by: str) -> None:
 
 
 def test_rank_of_the_front(run: Run, result: Result, file: Path) -> None:
-    front = result.pareto(["U", "clearance", "joint reserve"])
+    front = result.pareto(["clearance", "joint reserve", "manipulability"])
     assert 1 < len(front) < len(result.grasps)
     for options in (
-        ["--pareto", "U,clearance, joint reserve"],
-        ["--pareto", "U,clearance", "--pareto", "joint reserve"],
+        ["--pareto", "clearance,joint reserve, manipulability"],
+        ["--pareto", "clearance,joint reserve", "--pareto", "manipulability"],
     ):
         code, output, _ = run("rank", file, *options, "--all")
         assert code == 0
         assert rows(output) == numbers(result, front)
-        assert "front of U, clearance, joint reserve" in " ".join(output.split())
+        assert "front of clearance, joint reserve, manipulability" in " ".join(output.split())
 
 
 def test_rank_page(run: Run, file: Path, tmp_path: Path) -> None:

@@ -319,7 +319,7 @@ def test_the_pad_clearance_is_the_least_distance_to_parts_not_touched(
 
     rng = np.random.default_rng(0)
     near = 0
-    for _ in range(20):
+    for _ in range(40):
         y = x.copy()
         y[: model.robot.arm_size] += rng.uniform(-0.06, 0.06, model.robot.arm_size)
         state = State(model, data, y, (0, 1))
