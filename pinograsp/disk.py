@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import hashlib
 import json
@@ -49,6 +50,8 @@ def content_of(file: Path, most: int = LARGEST) -> bytes:
         FileError: it cannot be read, or is larger.
     """
     try:
+        if file.is_fifo():  # which has nobody who writes
+            raise OSError(errno.ESPIPE, "it is a pipe")
         with file.open("rb") as opened:
             content = b"".join(_pieces(opened, most))
     except OSError as error:

@@ -260,6 +260,27 @@ def test_depth_in_a_region_of_triangles_is_that_of_the_worst() -> None:
     assert least_depth(region, np.stack([inside, across])) == pytest.approx(0.01 * (1 - math.sqrt(2)), abs=1e-6)
 
 
+@pytest.mark.parametrize("count", [1, 30, 100, 300])
+def test_triangles_that_face_against_their_neighbours_are_turned(count: int, tmp_path: Path) -> None:
+    """Some of a ball beside a box that has a hollow: the ball is mended, the hollow stays."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.025)
+    hollow = trimesh.creation.box((0.01, 0.01, 0.01))
+    hollow.invert()
+    box = trimesh.util.concatenate([trimesh.creation.box((0.02, 0.02, 0.02)), hollow])
+    box.apply_translation((0.05, 0.0, 0.0))
+    whole = trimesh.util.concatenate([ball, box])
+    spoiled = whole.copy()
+    spoiled.faces[:count] = spoiled.faces[:count, ::-1]
+    bodies = []
+    for name, mesh in (("whole", whole), ("spoiled", spoiled)):
+        mesh.export(tmp_path / f"{name}.stl")
+        bodies.append(object_mesh(Mesh(file=tmp_path / f"{name}.stl")))
+    points = np.random.default_rng(0).uniform((-0.03, -0.03, -0.03), (0.07, 0.03, 0.03), (500, 3))
+    right, found = (body.distances(points) for body in bodies)
+    assert right.min() < -0.01 and bodies[0].distances(np.array([[0.05, 0.0, 0.0]]))[0] == pytest.approx(0.005)
+    np.testing.assert_allclose(found, right, atol=1e-9)
+
+
 def test_triangles_inside_where_parts_overlap_do_not_count() -> None:
     """Two boxes that overlap, as they are drawn: distances are those of the one body that they make."""
     parts = [trimesh.creation.box(bounds=[[0, 0, 0], [0.06, 0.04, 0.04]]).subdivide_to_size(0.004)]

@@ -77,7 +77,7 @@ def test_the_remedy_of_a_load_is_what_can_be_carried(toy: Robot, lighter: tuple[
     (remedy,) = explanation.remedies
     assert (remedy.kind, remedy.unit) == ("weight", "N")
     assert 5.0 < remedy.amount < 6.69  # to 10 % of what is taken away, and strictly within the friction cones
-    assert explanation.refusal.startswith("two pads that are parallel carry at most 6.69 N")
+    assert explanation.refusal.startswith("two pads that are parallel carry less than 6.69 N")
     changed = remedy.apply(scene)
     assert changed.wrench_of(changed.task("ball")).force == pytest.approx((0.0, 0.0, -remedy.amount))
     assert pinograsp.plan(toy, changed, "ball", starts=6, seed=5, workers=1).verified
@@ -411,6 +411,15 @@ def test_what_is_in_the_way_is_moved_only_where_it_helps_to_take_it_away(room: S
     assert isinstance(remedy, Remedy)
     assert 0.03 <= remedy.amount <= 0.034
     assert remedy.text == f"move 'post' by {1e3 * remedy.amount:.0f} mm along +x"
+
+
+def test_what_is_in_the_way_may_have_a_task_of_its_own(room: Scene) -> None:
+    post = Object(shape=Sphere(radius=0.02), pose=Pose(position=(0.06, 0.0, 0.222)), mass=0.1)
+    scene = room.with_object("post", post).with_task("post", room.task("ball").model_copy(update={"object": "post"}))
+    failure = Failure(scene, "ball", np.zeros(3), ("post",), ("obstacle clearance",))
+    told = Told(lambda there: False, lambda there: False)
+    assert isinstance(searched(failure, told)["move obstacle"], Tried)
+    assert room in told.asked
 
 
 def test_a_load_has_its_relaxed_problem_first(room: Scene) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..errors import TaskError
@@ -23,15 +25,30 @@ def check_load(model: TaskModel) -> list[str]:
         return []
     force, most, why = float(np.linalg.norm(model.load.wrench[:3])), *_most_carried(model)
     if force > (1.0 + ROUNDING) * most:
+        limit, key = model.limits.maximum, _load_key(model)
+        load = f"a load of less than {_down(most):g} N"
+        if model.task.wrench is None:
+            load = f"a mass of less than {_down(most / float(np.linalg.norm(model.scene.gravity))):g} kg"
         raise TaskError(
-            f"{why} carry at most {most:.3g} N (max_force {model.limits.maximum:g} N, friction "
-            f"{model.limits.friction:g}), the load is {force:.3g} N",
+            f"{why} carry less than {most:.4g} N (max_force {limit:g} N, friction {model.limits.friction:g}), "
+            f"the load is {force:.4g} N",
             file=model.scene.source,
-            key=_load_key(model),
-            remedy=f"Give a load of at most {most:.3g} N, or a `contact.max_force` of at least "
-            f"{model.limits.maximum * force / most:.3g} N",
+            key=key,
+            remedy=f"Give {load}, or a `contact.max_force` of more than {_up(limit * force / most):g} N",
         )
     return _at_desired_contacts(model, force)
+
+
+def _down(value: float) -> float:
+    """Return a value rounded down to three digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.floor(value / unit * (1.0 + 1e-12)) * unit:.3g}")
+
+
+def _up(value: float) -> float:
+    """Return a value rounded up to three digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.ceil(value / unit * (1.0 - 1e-12)) * unit:.3g}")
 
 
 def _most_carried(model: TaskModel) -> tuple[float, str]:
@@ -53,7 +70,7 @@ def _at_desired_contacts(model: TaskModel, force: float) -> list[str]:
     """Return what the desired contacts do not carry; contacts elsewhere may."""
     if not len(model.desired_points) or not np.any(model.load.wrench):
         return []
-    points, normals = model.desired_points - model.load.center_of_mass, -model.object_surface(model.desired_points)[1]
+    points, normals = model.desired_points - model.load.center_of_mass, -model.felt_normals(model.desired_points)
     factor = carried(points, normals, model.contact_models, model.limits, model.load.wrench)
     if factor is None or factor >= 1.0 - ROUNDING:
         return []

@@ -32,7 +32,7 @@ def check_openings(model: TaskModel) -> list[str]:
     widths = grips(model.robot, model.lower[own], model.upper[own]).widths
     if not len(widths):
         return ["the two pads face each other in no posture of the hand that the task allows"]
-    normals, beside = model.object_surface(model.desired_points)[1], "or leave out `desired_contacts`"
+    normals, beside = model.felt_normals(model.desired_points), "or leave out `desired_contacts`"
     turned = math.acos(float(np.clip(-normals[0] @ normals[1], -1.0, 1.0)))
     if turned > TURNED:
         return _turned_away(model, turned, beside)

@@ -102,6 +102,10 @@ class TaskModel:
         normals, derivatives = self.surface.footprint((points - origin) @ R)
         return normals @ R.T, R @ derivatives @ R.T
 
+    def felt_normals(self, points: Array) -> Array:
+        """Return the outward normals of the object as a pad feels them at world points, shape (n, 3)."""
+        return self.footprint(points)[0] if self.surface.uneven else self.object_surface(points)[1]
+
     def object_distances(self, points: ObjectPoints, configuration: Configuration) -> Distances:
         """Return the distances of sets of points to the object, which is uneven."""
         return points.distances(configuration, cast(UnevenSurface, self.surface), self.T_world_object)

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import igl
 import numpy as np
 import trimesh
 
@@ -33,9 +34,30 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     vertices, faces = _without_flat(vertices, np.asarray(mesh.faces, dtype=np.int64))
     if not len(faces):
         raise FileError("all triangles are flat", file=file, remedy="Export the mesh again")
+    faces = _facing_alike(vertices, faces)
     a, b, c = vertices[faces].transpose(1, 0, 2)
     volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
     return TriangleBody(vertices, faces if volume > 0.0 else faces[:, ::-1])
+
+
+def _facing_alike(vertices: Array, faces: Integers) -> Integers:
+    """Return the triangles, those of patches in which neighbours face opposite ways turned, so that the patch encloses.
+
+    Neighbours have an edge in common that no other triangle has; they face alike if they run along it in turn.
+    """
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    owner = np.tile(np.arange(len(faces)), 3)
+    _, edge, sides = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1)
+    net = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
+    wrong = owner[((sides == 2) & (net != 0.0))[edge]]
+    if not len(wrong):
+        return faces
+    alike, patch = (np.asarray(found, dtype=np.int64) for found in igl.bfs_orient(np.ascontiguousarray(faces)))
+    a, b, c = (vertices[alike] - vertices.mean(axis=0)).transpose(1, 0, 2)
+    inverted = np.bincount(patch, weights=np.einsum("ij,ij->i", a, np.cross(b, c))) < 0.0
+    alike = np.where(inverted[patch][:, None], alike[:, ::-1], alike)
+    return np.where(np.isin(patch, patch[wrong])[:, None], alike, faces)
 
 
 def _read(content: bytes, file: Path) -> tuple[Any, float]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
+from ...descriptions import Scene
 from ...descriptions.bodies import Body
 from ...descriptions.pose import Pose
 from ...problem.overlaps import depth_in
@@ -52,11 +53,19 @@ def obstacle_moves(failure: Failure) -> Iterator[Change]:
     near = sorted((name for name in gaps if gaps[name] <= NEAR), key=gaps.__getitem__)
     for name in list(dict.fromkeys([*named, *near]))[:BODIES]:
         obstacle = name in failure.scene.obstacles
-        without = failure.scene.without_obstacle(name) if obstacle else failure.scene.without_object(name)
+        without = failure.scene.without_obstacle(name) if obstacle else _without_object(failure.scene, name)
         directions = _axes(around[name].pose.matrix[:3, 3] - center)[:DIRECTIONS]
         table = "obstacles" if obstacle else "objects"
         found = _moves("move obstacle", table, name, around[name], directions)
         yield replace(found, steady=True, without=without)
+
+
+def _without_object(scene: Scene, name: str) -> Scene:
+    """Return the scene without an object and the tasks that are about it."""
+    for task, described in scene.tasks.items():
+        if described.object == name:
+            scene = scene.without_task(task)
+    return scene.without_object(name)
 
 
 def _axes(first: Array) -> list[Array]:
