@@ -117,6 +117,7 @@ def test_what_is_wrong_comes_first_and_advice_once(run: Run, tmp_path: Path) -> 
 ANOTHER_JOINT = """<link name="lid"/><joint name="hinge" type="revolute"><parent link="base"/><child link="lid"/>
 <axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>"""
 LONG = '<origin xyz="0 0 0.1"/><geometry><box size="0.04 0.04 0.16"/>'
+FAR = {'<child link="arm"/><axis xyz="0 1 0"/>': '<child link="arm"/><origin xyz="0 0 200"/><axis xyz="0 1 0"/>'}
 LONGER = '<origin xyz="0 0 0.1"/><geometry><box size="0.07 0.04 0.4"/>'
 
 
@@ -144,6 +145,7 @@ LONGER = '<origin xyz="0 0 0.1"/><geometry><box size="0.07 0.04 0.4"/>'
         ({'xyz="0 0 -0.05"': 'xyz="0.03 0 0.22"'}, {}, "doubtful", "with joints at zero, base and left collide"),
         ({LONG: LONGER}, {"srdf": "none.srdf"}, "wrong", "arm and base are nearer than 5 mm in every posture"),
         ({'<box size="0.1 0.1 0.04"/>': '<box size="100 100 40"/>'}, {}, "doubtful", "link base is 100 m large"),
+        (FAR, {}, "doubtful", "joints that are far from their parent links: shoulder (200 m)"),
         ({'<box size="0.1 0.1 0.04"/>': '<mesh filename="a.stl"/>'}, {}, "wrong", "mesh a.stl was not found"),
         (
             {'<link name="base">': '<link name="base"><visual><geometry><mesh filename="a.dae"/></geometry></visual>'},

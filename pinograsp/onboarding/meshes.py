@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 
@@ -86,6 +87,14 @@ def _sizes(meshes: Mapping[str, TriangleMesh], robot: Robot) -> Iterator[Finding
             long = f", and the robot without it {reach:.2g} m long" if size < LARGEST and size >= most else ""
             remedy = f"If its mesh is {in_units}: give the factor as its scale" if likely else "Is its unit the metre?"
             yield Finding("doubtful", f"link {link} is {size:.4g} m large{long}", remedy)
+    poses, joints = robot.urdf.tree.poses({}), robot.urdf.tree.joints.values()
+    far = {joint.name: math.dist(poses[joint.child][:3, 3], poses[joint.parent][:3, 3]) for joint in joints}
+    beyond = [f"{name} ({length:.4g} m)" for name, length in far.items() if length > LARGEST]
+    if beyond:
+        what = f"joints that are far from their parent links: {in_words(beyond)}"
+        yield Finding(
+            "doubtful", what, "Are their origins in metres? Those of a file in mm are a thousand times as large"
+        )
 
 
 def _reach(tree: UrdfTree) -> float:
