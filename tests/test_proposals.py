@@ -37,6 +37,7 @@ from pinograsp import (
     UnknownNameError,
 )
 from pinograsp.descriptions.shapes import Mesh
+from pinograsp.descriptions.task import Margins
 from pinograsp.geometry.antipodal import drawn, opposite_points
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.grips import grips
@@ -226,6 +227,13 @@ def test_a_spot_smaller_than_the_pads_takes_none(gen3: Robot, glovebox: Scene) -
     assert "no face is there that a pad fits on" in refusal(gen3, scene).problem
     pairs = proposed(gen3, holding(glovebox, box, allowed_contacts=spots, contact_regions="point"))
     assert axes(pairs) == {"x"}
+
+
+def test_a_margin_that_keeps_the_hand_off_every_face_is_named(gen3: Robot, glovebox: Scene) -> None:
+    scene = glovebox.with_task("sphere", desired_contacts=None, margin=Margins(object=0.05))
+    error = refusal(gen3, scene)
+    assert "other links 50 mm off (margin.object)" in error.problem
+    assert error.remedy == "Give a smaller margin.object"
 
 
 def test_a_band_lower_than_the_pads_is_touched_by_their_ends(gen3: Robot, glovebox: Scene) -> None:

@@ -49,6 +49,8 @@ LOOKED_AT, MOST_LOOKED_AT = 120, 480
 """Pairs that are tried with the pads: at least, if there are enough, and at most; as many of those near edges."""
 KEPT = 48
 """Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
+WIDE = 0.005
+"""Margin from the object that may be why no pad fits on it, m; 1 mm is usual."""
 PARALLEL = math.radians(0.5)
 """Greatest angle between a normal and the opposite of the other one for pads that stay parallel, rad."""
 EDGE = math.radians(12.0)
@@ -219,7 +221,7 @@ class Proposals:
             if tried[True] == MOST_LOOKED_AT or (tried[True] >= LOOKED_AT and sum(c.roomy for c in found) >= KEPT):
                 break
         if any(tried.values()):
-            reason = _Reason("no face is there that a pad fits on", "Use a gripper with smaller pads")
+            reason = self._no_face()
         elif not reason.problem and self._model.surface.uneven:
             thin = f"thinner than {1e3 * SIGMAS[-1]:g} mm"
             remedy = "Give desired contacts, or a shape other than a mesh"
@@ -235,6 +237,15 @@ class Proposals:
                 remedy=reason.remedy,
             )
         return found
+
+    def _no_face(self) -> _Reason:
+        """Return what keeps pads off all faces: their size, or other links that are to be far from the object."""
+        margin, problem = self._model.task.margin.object, "no face is there that a pad fits on"
+        if margin <= WIDE:
+            return _Reason(problem, "Use a gripper with smaller pads")
+        return _Reason(
+            f"{problem} with other links {1e3 * margin:g} mm off (margin.object)", "Give a smaller margin.object"
+        )
 
     def _suitable(self, pairs: Pairs) -> Pairs | _Reason:
         """Return the pairs that normals, jaw and region allow, or what keeps all of them out."""

@@ -37,6 +37,10 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     faces = _facing_alike(vertices, faces)
     a, b, c = vertices[faces].transpose(1, 0, 2)
     volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
+    if abs(volume) <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
+        raise FileError(
+            "encloses no volume", file=file, remedy="Export it again, each triangle once and facing outwards"
+        )
     return TriangleBody(vertices, faces if volume > 0.0 else faces[:, ::-1])
 
 
