@@ -23,9 +23,9 @@ DONE = 1e-5
 """Norm of the scaled residual below which a descent is done: 0.1 micrometre."""
 STALLED = 0.05
 """A descent ends after two steps that each lessen the squared residual by less than this part."""
-HOPELESS = 6
+HOPELESS = 10
 """A descent ends after so many trials in a row that have not lessened it by that part, all in all."""
-INITIAL_DAMPING = 20.0
+INITIAL_DAMPING = 40.0
 LEAST_DAMPING = 1e-9
 """With less, where variables move nothing, a step has no solution in floating-point numbers."""
 YIELDING = ((1.0, 0.3), (0.3, 1.0), (0.1, 1.0))
