@@ -30,6 +30,7 @@ from pinograsp.database import cache as cache_module
 from pinograsp.database.build import build_database
 from pinograsp.database.cache import cached_database
 from pinograsp.database.coverage import Coverage
+from pinograsp.database.layout import exported
 from pinograsp.database.lock import building
 from pinograsp.database.query import Configurations, configurations_near, spread_configurations
 from pinograsp.database.sampling import DRAWS
@@ -281,6 +282,23 @@ def test_parquet_has_the_joints_by_name(small: Path, tmp_path: Path) -> None:
 
 
 # ---- refusals
+
+
+def test_two_joints_of_one_name_are_damage(small: Path, tmp_path: Path) -> None:
+    file = tmp_path / "twice.duckdb"
+    file.write_bytes(small.read_bytes())
+    change = "UPDATE metadata SET value = replace(value, '\"joint_5\"', '\"joint_3\"') WHERE key = 'identity'"
+    with duckdb.connect(str(file)) as connection:
+        connection.execute(change)
+    with pytest.raises(pinograsp.FileError, match=r"identity.robot.joints: .* two joints have the same name"):
+        Database.open(file)
+
+
+def test_no_two_columns_of_an_export_have_one_name() -> None:
+    others = ["x", "y", "z", "ax", "ay", "az", "clearance", "cell", "sample"]
+    assert exported(["shoulder", "elbow"]) == ["shoulder", "elbow", *others]
+    assert exported(["x", "Y", "lift", "LIFT"]) == ["q1", "q2", "lift", "q4", *others]
+    assert exported(["q2", "x", "X"]) == ["q2", "q2_", "q3", *others]
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from fuzz_mutations import mutate_bytes, mutate_tree
 from fuzz_sources import SOURCES, content_of, sources
 from pinograsp.array_cache import kept
 from pinograsp.cache_folder import cache_folders
-from pinograsp.database.layout import columns
+from pinograsp.database.layout import exported
 from pinograsp.database.query import configurations_near, spread_configurations
 from pinograsp.database.store import Database
 from pinograsp.results.encoding import encode
@@ -88,7 +88,7 @@ def use_database(folder: Path) -> None:
         require_finite([found.q.tolist(), found.positions.tolist()], "configurations")
         spread_configurations(database, [0.6, 0.0, 0.0], 0.5, 20)
         database.export_parquet(folder / "out.parquet")
-        wanted = [*database.joints(), *(name for name in columns(0) if not name.startswith("q"))]
+        wanted = exported(database.joints())
     if duckdb.sql(f"SELECT * FROM '{folder / 'out.parquet'}'").columns != wanted:
         raise AssertionError("an export has other columns")
 

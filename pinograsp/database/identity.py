@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator
 
 from ..descriptions import RobotDescription, Scene
 from ..descriptions.composition import UrdfPart
 from ..descriptions.mesh_files import CONTENT
 from ..descriptions.task import Margins
+from ..descriptions.values import wrong
 from ..disk import digest, digest_of
 from ..kinematics.hand_posture import hand_opening
 from ..kinematics.robot import Robot
@@ -40,6 +41,13 @@ class RobotContent(BaseModel):
     model_config = ConfigDict(extra="allow")
 
     joints: Annotated[list[Annotated[str, Field(pattern="^[^\x00]+$")]], Field(min_length=1)]
+
+    @field_validator("joints")
+    @classmethod
+    def _different(cls, joints: list[str]) -> list[str]:
+        if len(set(joints)) < len(joints):
+            raise wrong("two joints have the same name")
+        return joints
 
 
 class EnclosureContent(BaseModel):

@@ -7,7 +7,7 @@ metadata         key and value (JSON): format, identity, seed, spread, layout, s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -44,6 +44,24 @@ def columns(joints: int) -> dict[str, str]:
     angles = {f"q{i}": "FLOAT" for i in range(1, joints + 1)}
     vectors = dict.fromkeys(("x", "y", "z", "ax", "ay", "az", "clearance"), "FLOAT")
     return {**angles, **vectors, "cell": "UINTEGER", "sample": "BIGINT"}
+
+
+def exported(joints: Sequence[str]) -> list[str]:
+    """Return the names of the columns of an export, in the order of `columns`.
+
+    A joint has its own name, and q1, q2, ... by its number where another column has that already: no two columns may
+    have the same, whatever the case.
+    """
+    numbered = columns(len(joints))
+    others = [name for name in numbered if not name.startswith("q")]
+    taken, names = set(others), list[str]()
+    for number, joint in zip(numbered, joints, strict=False):
+        name = number if joint.lower() in taken else joint
+        while name.lower() in taken:
+            name += "_"
+        taken.add(name.lower())
+        names.append(name)
+    return names + others
 
 
 class Metadata(BaseModel):

@@ -23,7 +23,7 @@ from ..errors import DamagedError, DatabaseMismatchError, FileError
 from ..interrupts import heard
 from .files import writing
 from .identity import Identity
-from .layout import COLUMNS, columns, identifier, literal, require_layout
+from .layout import COLUMNS, columns, exported, identifier, literal, require_layout
 
 Answer = TypeVar("Answer")
 
@@ -198,21 +198,21 @@ class Database:
     def export_parquet(self, file: Path | str) -> None:
         """Write the configurations as one Parquet file, q1 .. ql, rad (m), under the names of their joints.
 
-        The file is there whole or not at all.
+        The file is there whole or not at all. Its columns are those of `exported`.
 
         Raises:
             UnwritableError: the file cannot be written.
         """
         self.require_sound()
-        names = ", ".join(f"q{i} AS {identifier(name)}" for i, name in enumerate(self.joints(), 1))
-        others = ", ".join(column for column in columns(len(self.joints())) if not column.startswith("q"))
+        there, wanted = columns(len(self.joints())), exported(self.joints())
+        listed = ", ".join(f"{name} AS {identifier(shown)}" for name, shown in zip(there, wanted, strict=True))
         path = as_path("file", file)
         # Of what is open here nothing can be written anywhere: another connection reads the file, and no other file.
         with written_whole(path) as unfinished, duckdb.connect(config=LIMITS) as writer, writing(path):
             writer.execute(f"ATTACH {literal(self.file)} AS source (READ_ONLY)")
             writer.execute(f"SET allowed_directories = [{literal(unfinished.parent)}]")
             writer.execute("SET enable_external_access = false")
-            rows = f"SELECT {names}, {others} FROM source.configurations"
+            rows = f"SELECT {listed} FROM source.configurations"
             target = literal(unfinished)
             copy = f"COPY ({rows}) TO {target} (FORMAT parquet, COMPRESSION zstd)"
             Database(path, writer).run(lambda: writer.execute(copy))
