@@ -31,6 +31,16 @@ def test_ply_without_a_colour(colors: str, words: str, element: str, tmp_path: P
     assert str(tmp_path / "ball.ply") in str(caught.value)
 
 
+def test_a_binary_stl_that_is_cut_off(tmp_path: Path) -> None:
+    whole = ball(0.03).export(file_type="stl")
+    count = (len(whole) - 84) // 50
+    half = 84 + 50 * (count // 2) + 7
+    with pytest.raises(FileError) as caught:
+        object_mesh(Mesh(file=_file(tmp_path / "ball.stl", whole[:half])))
+    assert caught.value.problem == f"is cut off: {count // 2} of {count} triangles are there"
+    assert caught.value.remedy == "Copy or export it again"
+
+
 def test_damaged_json_of_a_glb(tmp_path: Path) -> None:
     content = bytearray(ball(0.03).export(file_type="glb"))
     content[20:21] = b"x"

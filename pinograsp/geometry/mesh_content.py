@@ -143,6 +143,16 @@ def _of_obj(content: bytes) -> MeshContent:
     return MeshContent(read.vertices, read.faces, 1.0, paint)
 
 
+def _require_whole_stl(content: bytes, most: int) -> None:
+    """Refuse a binary STL file that is cut off; its parser takes it for text.
+
+    The number of triangles comes after 80 bytes, and 50 bytes for each. A number beyond `most` is that of another kind.
+    """
+    told, there = int.from_bytes(content[80:84], "little"), max(0, (len(content) - 84) // 50)
+    if not content.lstrip()[:5].lower() == b"solid" and there < told <= most:
+        raise FileError(f"is cut off: {there} of {told} triangles are there", remedy="Copy or export it again")
+
+
 def _require_whole_ply(content: bytes) -> None:
     """Refuse the text of a PLY file that ends before all that its header announces: parsers take what is there."""
     header, end, rest = content.partition(b"end_header")
@@ -169,6 +179,8 @@ def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
     if kind == "ply":
         _require_whole_ply(content)
         _require_whole_colors(content)
+    elif kind == "stl":
+        _require_whole_stl(content, most)
     # Bytes, so that nothing is read but what was hashed: no textures and buffers in other files.
     scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
     placed = [

@@ -152,7 +152,9 @@ def explanation_lines(explanation: Explanation) -> list[str]:
     ]
     if explanation.nearest_miss is not None:
         figures = explanation.nearest_miss.certificate.refuted_by
-        lines.append(f"nearest to a grasp: start {explanation.nearest_miss.start}, which lacks {summary(figures)}")
+        lines.append(
+            f"nearest to a grasp: start {explanation.nearest_miss.start}, which does not keep {summary(figures)}"
+        )
     for number, remedy in enumerate(explanation.remedies, 1):
         lines.append(f"remedy {number}: {remedy.text} (then {remedy.verified} of {_starts(remedy.tried)} verified)")
     if not (explanation.remedies or explanation.verified):
