@@ -19,7 +19,7 @@ from ..compiled import compiled
 LONGEST = 1.0 / 20.0
 """Edge of a triangle that is not divided, in parts of the extent."""
 _LEAF = 2
-LEVELS = 64
+_LEVELS = 64
 """Boxes that wait to be looked at, at most."""
 
 
@@ -134,7 +134,7 @@ def nearest(tree: TriangleTree, points: Array) -> tuple[Array, Indices]:
 @compiled
 def _nearest(tree: TriangleTree, points: Array) -> tuple[Array, Indices]:
     boxes, corners, starts, leaves = tree.boxes, tree.corners, tree.starts, len(tree.starts) - 1
-    waiting, bounds = np.empty(LEVELS, dtype=np.intp), np.empty(LEVELS)
+    waiting, bounds = np.empty(_LEVELS, dtype=np.intp), np.empty(_LEVELS)
     found, numbers, best = np.empty(len(points)), np.empty(len(points), dtype=np.intp), 0
     for n in range(len(points)):
         x, y, z = points[n, 0], points[n, 1], points[n, 2]

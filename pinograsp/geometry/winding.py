@@ -20,10 +20,12 @@ import numpy as np
 from ..arrays import Array, Indices, Integers
 from ..compiled import compiled
 from .mesh_parts import components, edges_of
-from .triangle_tree import LEVELS, TriangleTree, triangle_tree
+from .triangle_tree import TriangleTree, triangle_tree
 
 WAYS = ((0.3391, 0.2173), (-0.2719, 0.3837), (0.1571, -0.4211), (-0.3583, -0.1979))
 """How far a way goes along the first two axes while it goes 1 along the third; no special directions."""
+_LEVELS = 64
+"""Boxes that wait to be looked at, at most."""
 CLEAR = 2.0
 """Radius about an opening within which its solid angle counts, in parts of its own."""
 _SLACK = 1e-12
@@ -97,7 +99,7 @@ def _counts(tree: TriangleTree, points: Array) -> Array:
 def _count(tree: TriangleTree, x: float, y: float, z: float, along: float, across: float) -> tuple[float, bool]:
     """Return N of a point by one way, and whether that is sure."""
     boxes, corners, starts, leaves = tree.boxes, tree.corners, tree.starts, len(tree.starts) - 1
-    waiting, found, sure = np.empty(LEVELS, dtype=np.intp), 0.0, True
+    waiting, found, sure = np.empty(_LEVELS, dtype=np.intp), 0.0, True
     waiting[0], count = 1, 1
     while count:
         count -= 1
