@@ -32,7 +32,9 @@ def shown(value: float, unit: str, form: str = ".3g") -> str:
     if unit == "m" and math.isinf(value):
         return "overlap"
     scale, name = shown_in(unit)
-    return f"{scale * value:{form}} {name}".rstrip()
+    number = format(scale * value, form)
+    number = f"{float(number):g}" if "e+" in number else number  # 1000, not 1e+03
+    return f"{number} {name}".rstrip()
 
 
 def shown_in(unit: str) -> tuple[float, str]:

@@ -196,3 +196,10 @@ def test_a_depth_that_is_not_known_is_an_overlap() -> None:
     assert "100 % object clearance: nearest miss overlap (palm / ball)" in explanation_lines(missed)
     assert "overlap" in explanation_tables(missed)
     assert repr(Certificate((figure,))) == "<Certificate: refuted by pad clearance overlap (≥ 0 mm)>"
+
+
+def test_figures_have_three_digits_and_large_ones_no_exponent() -> None:
+    figure = Figure("Q_force", 1234.5, 1000.0, "m/s^2", "at least")
+    assert (figure.shown_value, figure.shown_limit) == ("1230 m/s²", "≥ 1000 m/s²")
+    assert Figure("enclosure clearance", 0.0312, 0.00499901, "m", "at least").shown_limit == "≥ 5 mm"
+    assert Figure("enclosure clearance", 0.3, 0.2, "m", "at least").shown_limit == "≥ 200 mm"

@@ -65,7 +65,7 @@ class Figure(Record):
         """The limit in the unit in which tables show it, such as "≥ 5 mm"; empty if nothing limits the value."""
         if not math.isfinite(self.limit):
             return ""
-        return f"{'≥' if self.sense == 'at least' else '≤'} {shown(self.limit, self.unit, '.4g')}"
+        return f"{'≥' if self.sense == 'at least' else '≤'} {shown(self.limit, self.unit)}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
