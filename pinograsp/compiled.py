@@ -46,7 +46,10 @@ class _Sealed(caching.IndexDataCacheFile):  # type: ignore[misc]  # Numba has no
     def _load_index(self) -> dict[Any, str]:
         if not _is_sealed(Path(self._index_path)):
             return {}
-        found: dict[Any, str] = super()._load_index()
+        try:
+            found: dict[Any, str] = super()._load_index()
+        except (AttributeError, ImportError):  # it names a type that another version had somewhere else
+            return {}
         return found
 
     def _load_data(self, name: str) -> Any:

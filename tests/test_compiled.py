@@ -73,6 +73,24 @@ def test_without_a_folder_to_keep_it_in_a_function_is_compiled_all_the_same(monk
     assert invert(0.0) == np.inf
 
 
+def test_what_names_types_that_have_moved_is_compiled_anew(tmp_path: Path) -> None:
+    """Numba keeps types of arguments by name: where another version had them elsewhere, that is no error."""
+    kept = tmp_path / "cache"
+    source = "from typing import NamedTuple\nclass {name}(NamedTuple):\n    x: float\n"
+    source += "from pinograsp.compiled import compiled\n@compiled\ndef twice(one):\n    return 2.0 * one.x\n"
+    for name in ("Former", "Latter"):
+        (tmp_path / "moving.py").write_text(source.format(name=name))
+        os.utime(tmp_path / "moving.py", (1e9, 1e9))  # as old as what was kept says
+        found = subprocess.run(
+            [sys.executable, "-c", f"import moving; print(moving.twice(moving.{name}(1.5)))"],
+            env={**os.environ, "NUMBA_CACHE_DIR": str(kept), "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+            capture_output=True,
+            text=True,
+        )
+        assert found.stdout == "3.0\n", found.stderr
+    assert list(kept.rglob("*.nbi"))
+
+
 def test_only_what_is_compiled_now_is_reported() -> None:
     double, triple, seen = numba.njit(lambda x: 2.0 * x), numba.njit(lambda x: 3.0 * x), list[Progress]()
     with compiling(seen.append):

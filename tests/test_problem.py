@@ -13,7 +13,7 @@ from pinograsp.kinematics.hand_posture import jaw_range, preshape, synergy_postu
 from pinograsp.kinematics.robot import Robot
 from pinograsp.problem import GraspProblem, TaskModel, Violation, check_placement, check_task
 from pinograsp.problem.problem import COST_SCALE, KEPT
-from pinograsp.solve.projection import _damped_step, nearest_assignment
+from pinograsp.solve.projection import damped_step, nearest_assignment
 from pinograsp.solve.recorder import Recorder, program_from
 
 
@@ -273,11 +273,13 @@ def test_steps_never_leave_a_bound_outwards() -> None:
     rng = np.random.default_rng(0)
     held = 0
     for _ in range(50):
-        J, values, at_bound = rng.normal(size=(6, 5)), rng.normal(size=6), rng.integers(-1, 2, 5).astype(float)
-        step = _damped_step(J, values, 0.1, at_bound)
-        assert (step * at_bound <= 0.0).all()
+        J, values, x = rng.normal(size=(6, 5)), rng.normal(size=6), 9.0 * rng.integers(-1, 2, 5)
+        unit = rng.uniform(0.5, 2.0, 5)
+        step = (damped_step(values, J, x, unit, np.full(5, -9.0), np.full(5, 9.0), 0.1) - x) / unit
+        assert (step * x <= 0.0).all()
         free = step != 0.0
         held += int((~free).sum())
+        J *= unit
         normal = J[:, free].T @ J[:, free] + 0.1 * np.eye(int(free.sum()))
         np.testing.assert_allclose(normal @ step[free], -J[:, free].T @ values, atol=1e-12)
     assert held > 20

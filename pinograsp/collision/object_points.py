@@ -30,8 +30,9 @@ from ..geometry.point_trees import PointTrees
 from ..geometry.shapes import UnevenSurface
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
+from ..memo import remembered
 from .distances import REACH, Distances, distance_gradients
-from .point_sets import PointSet, link_sets, pad_sets
+from .point_sets import PointSet, planted_sets
 
 BACKED = 0.0002
 """What the backing of rubber keeps from the object, m."""
@@ -39,13 +40,17 @@ BACKED = 0.0002
 
 @dataclass(frozen=True, eq=False)
 class ObjectPoints:
-    """Sets of points with the distances that they keep from an object."""
+    """Sets of points with the distances that they keep from an object: those of links, then those of pads."""
 
     robot: Robot
     sets: tuple[PointSet, ...]
+    links: int
+    """Number of the sets of links; the others are those of pads and of what is behind them."""
     least: Array
     """Least distance wanted of each set, m, shape (sets,)."""
     trees: PointTrees
+    solid: Array
+    """Distance below which the surface may be within the convex solid of a set, m, shape (sets,)."""
 
     def distances(self, configuration: Configuration, surface: UnevenSurface, T_world_object: Array) -> Distances:
         """Measure the sets that are nearer than `REACH` beyond their least distance.
@@ -58,51 +63,44 @@ class ObjectPoints:
         R, origin = T_world_object[:3, :3], T_world_object[:3, 3]
         rotations = R.T @ configuration.rotations
         translations = (configuration.translations - origin) @ R
-        caps = self.least + REACH
-        values, points = surface.nearest_points(self.trees, rotations, translations, self.least, caps)
-        indices = np.flatnonzero(values < caps)
-        local = surface.signed_distance(points[indices])[1]
-        for row, index in enumerate(indices.tolist()):
-            found = self.sets[index]
-            if found.hull is not None and values[index] < found.apart:
-                facets = found.hull.normals @ rotations[found.joint].T
-                offsets = found.hull.offsets + facets @ translations[found.joint]
-                depth, point, facet = surface.deepest_point(facets, offsets)
-                if depth < min(values[index], 0.0):
-                    values[index], points[index], local[row] = depth, point, -facets[facet]
-        normals = local @ R.T
-        moves = self.robot.supports[self.trees.bodies[indices]]
-        gradients = distance_gradients(
-            points[indices] @ R.T + origin, normals, configuration.jacobian, moves, self.robot.B
+        indices, values, points, local = surface.nearest_points(
+            self.trees, rotations, translations, self.least, self.least + REACH
         )
-        return Distances(indices, values[indices], gradients)
+        for row in np.flatnonzero(values < self.solid[indices]).tolist():
+            found = self.sets[indices[row]]
+            assert found.hull is not None
+            facets = found.hull.normals @ rotations[found.joint].T
+            depth, point, facet = surface.deepest_point(facets, found.hull.offsets + facets @ translations[found.joint])
+            if depth < min(values[row], 0.0):
+                values[row], points[row], local[row] = depth, point, -facets[facet]
+        moves = self.robot.supports[self.trees.bodies[indices]]
+        gradients = distance_gradients(points @ R.T + origin, local @ R.T, configuration.jacobian, moves, self.robot.B)
+        return Distances(indices, values, gradients)
 
 
-def link_points(robot: Robot, margin: float) -> ObjectPoints:
-    """Return the points of what is to keep off an object: all of the links but what is behind pads.
+@remembered
+def object_points(robot: Robot, margin: float) -> ObjectPoints:
+    """Return the points of all of a robot that keeps off an object, or touches it.
+
+    What is not behind a pad keeps the margin. Rubber, which is `point_sets.RUBBER` times as thick as it yields, may
+    press into an object by the depth by which it yields; what backs it is off the object by a little, and so is the
+    border of both within the link: a thin wall can pass between all points of a face, and be out again on the other
+    side of those that are in it. The face of a pad is in four quarters, so that it is known on which sides it is too
+    deep.
 
     Args:
         robot: mounted, with the pads that are to touch the object.
         margin: distance that solids are to keep, m.
     """
-    sets, trees = link_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
-    return ObjectPoints(
-        robot, sets, np.array([math.hypot(margin, found.apart) + found.within for found in sets]), trees
-    )
-
-
-def pad_points(robot: Robot) -> ObjectPoints:
-    """Return the points of pads and of what is behind them.
-
-    Rubber, which is `point_sets.RUBBER` times as thick as it yields, may press into an object by the depth by which it
-    yields; what backs it is off the object by a little, and so is the border of both within the link: a thin wall can
-    pass between all points of a face, and be out again on the other side of those that are in it. The face of a pad is
-    in four quarters, so that it is known on which sides it is too deep.
-    """
+    sets, links, trees = planted_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
     depths = [pad.description.rubber_depth for pad in robot.pads]
-    sets, trees = pad_sets(robot.unmounted, tuple(pad.description.name for pad in robot.pads))
-    least = [
-        -min(depths[pad] for pad in found.pads) if found.yields else math.hypot(BACKED, found.apart) + found.within
-        for found in sets
-    ]
-    return ObjectPoints(robot, sets, np.array(least), trees)
+
+    def least(number: int, found: PointSet) -> float:
+        if found.yields:
+            return -min(depths[pad] for pad in found.pads)
+        return math.hypot(margin if number < links else BACKED, found.apart) + found.within
+
+    solid = [-math.inf if found.hull is None else found.apart for found in sets]
+    return ObjectPoints(
+        robot, sets, links, np.array([least(*numbered) for numbered in enumerate(sets)]), trees, np.array(solid)
+    )

@@ -70,22 +70,21 @@ class PointSet(NamedTuple):
 
 
 @remembered
-def link_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    """Return the points of all solids but those behind pads, given an unmounted robot and the names of its pads."""
-    return _planted([found for found in _solid_sets(robot, pads) if not found.pads])
+def planted_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], int, PointTrees]:
+    """Return all sets of an unmounted robot, how many come first that are not behind pads, and their trees.
 
+    The others are those of pads, and of solids behind them: quarters of faces, where rubber ends, and solids.
 
-@remembered
-def pad_sets(robot: Robot, pads: tuple[str, ...]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    """Return the points of pads and of solids behind them: quarters of faces, where rubber ends, and solids."""
-    padded = robot.with_pads(pads)
+    Args:
+        robot: unmounted.
+        pads: names of its pads.
+    """
+    padded, solids = robot.with_pads(pads), _solid_sets(robot, pads)
+    links = [found for found in solids if not found.pads]
     faces = [quarter for number, pad in enumerate(padded.pads) for quarter in _quarters(number, pad)]
     lids = [lid for number in range(len(pads)) if len((lid := _lid(padded, number)).points)]
-    return _planted([*faces, *lids, *(found for found in _solid_sets(robot, pads) if found.pads)])
-
-
-def _planted(sets: list[PointSet]) -> tuple[tuple[PointSet, ...], PointTrees]:
-    return tuple(sets), point_trees([found.points for found in sets], [found.joint for found in sets])
+    sets = [*links, *faces, *lids, *(found for found in solids if found.pads)]
+    return tuple(sets), len(links), point_trees([found.points for found in sets], [found.joint for found in sets])
 
 
 def _solid_sets(robot: Robot, pads: tuple[str, ...]) -> list[PointSet]:

@@ -8,7 +8,8 @@ Two fields, each twice continuously differentiable (see `lattice`):
 
 Farther from the surface the values at the nodes go over, until `BLENDED` spacings from it, to those of a coarse lattice
 that reaches `AROUND` beyond the body. A fine node there has the value of the coarse spline, so that both functions are
-the same where the fine lattice ends. Beyond the coarse lattice, with q the nearest point of it to p,
+the same where the fine lattice ends. Which nodes are near is known from the distances at every `APART`-th of them: at
+others it is no less than there, less the way. Beyond the coarse lattice, with q the nearest point of it to p,
 
     d(p) = d(q) + |p - q|     an upper bound of the distance;     AROUND + |p - q| is a lower one.
 
@@ -25,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, label, maximum_position
+from scipy.ndimage import gaussian_filter, label, maximum_filter, maximum_position
 
 from ..arrays import Array
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
@@ -34,7 +35,7 @@ from .field_kernels import AROUND, coarse_values
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 7
+VERSION = 8
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -45,23 +46,14 @@ MARGIN = 8
 FINEST, MOST_NODES = 0.0005, 3_500_000
 """Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
 COARSE_NODES = 60_000
+APART = 4
+"""Nodes of the fine lattice from one where the distance is asked for first to the next."""
 ROUGH = 0.1
-"""How far the fine spline may lie below the distance, in its spacings."""
+"""How far the fine spline may lie above the distance between nodes where it is exact, in its spacings."""
 SAFELY = 1.5
-"""How far the coarse spline may lie above the distance, in parts of the most that is found at nodes."""
+"""How far a spline may lie above the distance elsewhere, in parts of the most that is found at nodes around."""
 _TRUNCATED = 3.0
 """Standard deviations where the Gaussian ends."""
-
-
-class Bounds(NamedTuple):
-    """Lower bounds of the distance at every second node of the fine lattice."""
-
-    values: NDArray[np.float32]
-    """m, shape (nx, ny, nz)."""
-    origin: Array
-    """Of the first node, m, shape (3,)."""
-    spacing: float
-    """m."""
 
 
 class DistanceField(NamedTuple):
@@ -70,9 +62,11 @@ class DistanceField(NamedTuple):
     distance: Lattice
     smoothed: Lattice
     coarse: Lattice
-    bounds: Bounds
+    above: NDArray[np.float32]
+    """How far the fine spline may lie above the distance around every `APART`-th node of the fine lattice before its
+    rim was cut off, m, shape (nx, ny, nz)."""
     error: float
-    """How far the coarse lattice may lie above the distance outside the body, m, but next to its surface."""
+    """How far the coarse spline may lie above the distance beyond the fine lattice, m."""
 
 
 def footprint_sigma(exact: ExactDistance) -> float:
@@ -101,28 +95,44 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
     h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
-    reach = MARGIN + 1 + RIM
-    counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
+    steps = np.ceil(((high - low) / h + 2 * (MARGIN + 1 + RIM)) / APART).astype(int)
+    counts = tuple((APART * steps + 1).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
-    values = coarse_values(coarse, origin, h, counts)
-    near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.3 * coarse.spacing)
-    distances = np.abs(values.ravel())
+    known = exact.unsigned(nodes(origin, APART * h, tuple((steps + 1).tolist()))).reshape(steps + 1)
+    distances = _no_less(known, h).ravel()
+    near = np.flatnonzero(distances < BLENDED * h)
     distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
     signs = _signs(exact, distances.reshape(counts), origin, h)
-    exactly = signs.ravel()[near] * distances[near]
-    beyond = values.ravel()[near] - exactly
-    outside = values.ravel()[near] > EXACT * h
-    errors = [SAFELY * max(0.0, float(part.max(initial=0.0))) for part in (beyond[outside], beyond[~outside])]
+    rough = coarse_values(coarse, origin, h, counts)
+    values = np.where(signs * rough > 0.0, rough, signs * distances.reshape(counts))
+    flat = values.ravel()
     share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
-    flat = values.ravel()
-    flat[near] = share * flat[near] + (1.0 - share) * exactly
-    smooth = gaussian_filter(values, sigma / h, truncate=_TRUNCATED)
-    distance = lattice_of(values, origin, h)
-    flat -= np.where(flat > 0.0, *errors)
-    flat[near] = exactly - ROUGH * h
-    bounds = Bounds(values[::2, ::2, ::2].astype(np.float32), origin, 2.0 * h)
-    return DistanceField(distance, lattice_of(smooth, origin, h), coarse, bounds, errors[0])
+    flat[near] = share * flat[near] + (1.0 - share) * signs.ravel()[near] * distances[near]
+    every = (slice(None, None, APART),) * 3
+    beyond = SAFELY * maximum_filter(values[every] - signs[every] * known, 3, mode="nearest")
+    return DistanceField(
+        lattice_of(values, origin, h),
+        lattice_of(gaussian_filter(values, sigma / h, truncate=_TRUNCATED), origin, h),
+        coarse,
+        np.maximum(beyond, ROUGH * h).astype(np.float32),
+        _most_outside(SAFELY * (values[every] - signs[every] * known)),
+    )
+
+
+def _no_less(known: Array, h: float) -> Array:
+    """Return lower bounds of the distances at all nodes, given those at every `APART`-th one along each axis, m."""
+    nearest = [np.arange(APART * (count - 1) + 1) + APART // 2 for count in known.shape]
+    ways = [(h * ((along % APART) - APART // 2)) ** 2 for along in nearest]
+    way = np.sqrt(ways[0][:, None, None] + ways[1][:, None] + ways[2])
+    return np.asarray(known[np.ix_(*(along // APART for along in nearest))] - way)
+
+
+def _most_outside(values: Array) -> float:
+    """Return the largest of the two outermost values along each axis, which lie in the rim, at least 0."""
+    rim = np.ones(values.shape, dtype=bool)
+    rim[(slice(2, -2),) * 3] = False
+    return max(0.0, float(values[rim].max()))
 
 
 def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:

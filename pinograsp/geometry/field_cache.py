@@ -7,7 +7,7 @@ from typing import Any
 
 from ..array_cache import kept
 from ..disk import digest
-from .distance_field import VERSION, Bounds, DistanceField, distance_field, footprint_sigma
+from .distance_field import VERSION, DistanceField, distance_field, footprint_sigma
 from .exact_distance import ExactDistance
 from .lattice import Lattice
 
@@ -31,8 +31,7 @@ def mesh_field(name: str, exact: ExactDistance) -> DistanceField:
 
 
 def _arrays_of(field: DistanceField) -> dict[str, Any]:
-    arrays: dict[str, Any] = {"error": field.error}
-    arrays |= {f"bounds_{name}": array for name, array in field.bounds._asdict().items()}
+    arrays: dict[str, Any] = {"above": field.above, "error": field.error}
     for name, lattice in zip(LATTICES, (field.distance, field.smoothed, field.coarse), strict=True):
         arrays |= {
             name: lattice.coefficients,
@@ -46,5 +45,4 @@ def _field_of(arrays: Mapping[str, Any]) -> DistanceField:
     distance, smoothed, coarse = (
         Lattice(arrays[name], arrays[f"{name}_origin"], float(arrays[f"{name}_spacing"])) for name in LATTICES
     )
-    bounds = Bounds(arrays["bounds_values"], arrays["bounds_origin"], float(arrays["bounds_spacing"]))
-    return DistanceField(distance, smoothed, coarse, bounds, float(arrays["error"]))
+    return DistanceField(distance, smoothed, coarse, arrays["above"], float(arrays["error"]))

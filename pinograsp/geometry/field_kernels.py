@@ -10,19 +10,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..compiled import compiled
 
 if TYPE_CHECKING:
-    from .distance_field import Bounds, DistanceField
+    from .distance_field import DistanceField
+    from .field_bounds import Bounds
     from .lattice import Lattice
     from .point_trees import PointTrees
 
 AROUND = 0.1
 """How far the coarse lattice reaches beyond the body, m."""
+ABOVE = 0.7
+"""Part of what it has above the distance that is wanted by which a distance may be too large: it does not count."""
 LOOSE, LOOSER, LOOSEST = 0.1, 10.0, 0.4
-"""Part of its difference from the distance that is wanted by which one may be too large, by how much this part grows
-with the difference, 1/m, and the most of it: exact where it counts."""
+"""Part of what it lacks to the distance that is wanted by which a distance may be too large, by how much this part
+grows with what it lacks, 1/m, and the most of it: exact where it counts."""
 _DEPTH = 64
 
 
@@ -140,16 +143,14 @@ def coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, i
 
 @compiled
 def _bound_at(known: Bounds, x: float, y: float, z: float) -> float:
-    """Return a lower bound of the distance of a point, m, at the price of one number that is read; far away, NaN.
-
-    The distance grows by no more than the way: at a point it is no less than at a node, less the way from there.
-    """
+    """Return a lower bound of the distance of a point, m, at the price of four numbers that are read; far away, NaN."""
     once, counts = 1.0 / known.spacing, known.values.shape
     u, v, w = (x - known.origin[0]) * once, (y - known.origin[1]) * once, (z - known.origin[2]) * once
     i, j, k = int(u + 0.5), int(v + 0.5), int(w + 0.5)
     if u < -0.5 or v < -0.5 or w < -0.5 or i >= counts[0] or j >= counts[1] or k >= counts[2]:
         return math.nan
-    return float(known.values[i, j, k]) - known.spacing * math.sqrt((u - i) ** 2 + (v - j) ** 2 + (w - k) ** 2)
+    here = known.values[i, j, k]
+    return float(here[0] + known.spacing * (here[1] * (u - i) + here[2] * (v - j) + here[3] * (w - k)))
 
 
 @compiled
@@ -217,28 +218,40 @@ def field_normals(field: DistanceField, points: Array) -> tuple[Array, Array]:
 
 @compiled
 def nearest_points(
-    trees: PointTrees, field: DistanceField, rotations: Array, translations: Array, least: Array, caps: Array
-) -> tuple[Array, Array]:
-    """Return the least signed distance of each set to a surface, or its cap, m, (sets,), and its point, (sets, 3).
+    trees: PointTrees,
+    field: DistanceField,
+    known: Bounds,
+    rotations: Array,
+    translations: Array,
+    least: Array,
+    caps: Array,
+) -> tuple[Indices, Array, Array, Array]:
+    """Return which sets are nearer than their cap to a surface, with distances, points and gradients there.
 
-    It may be too large, but no point has a distance below `near_enough` of it.
+    A distance may be too large, but no point of the set has one below `near_enough` of it.
 
     Args:
         trees: the sets.
         field: of the surface.
+        known: bounds of the field.
         rotations: of the bodies' frames in that of the surface, shape (bodies, 3, 3).
         translations: of these, m, shape (bodies, 3).
         least: distances of each set that are wanted, m, shape (sets,).
         caps: distances of each set from which on they do not matter, less than `AROUND`, m, shape (sets,).
+
+    Returns:
+        Indices of sets, ascending, shape (k,); signed distances, m, shape (k,); points in the frame of the surface and
+        gradients there, shapes (k, 3).
     """
-    values, nearest = caps.copy(), np.zeros((len(caps), 3))
+    indices, values, count_found = np.empty(len(caps), dtype=np.intp), np.empty(len(caps)), 0
+    nearest, gradients, hessian = np.empty((len(caps), 3)), np.empty((len(caps), 3)), np.empty((3, 3))
     waiting, bounds = np.empty(_DEPTH, dtype=np.intp), np.empty(_DEPTH)
-    known, fine, coarse, error = field.bounds, field.distance, field.coarse, field.error  # all of it is slow to hand on
+    fine, coarse, error = field.distance, field.coarse, field.error  # all of it is slow to hand on
     balls, parts, points = trees.balls, trees.parts, trees.points
     for number in range(len(caps)):
-        R, t = rotations[trees.bodies[number]], translations[trees.bodies[number]]
+        R, t, least_value = rotations[trees.bodies[number]], translations[trees.bodies[number]], caps[number]
         waiting[0], bounds[0] = trees.roots[number], -np.inf
-        count, enough = 1, near_enough(values[number], least[number])
+        count, enough, place = 1, near_enough(least_value, least[number]), nearest[count_found]
         while count:
             count -= 1
             if bounds[count] >= enough:
@@ -250,9 +263,9 @@ def nearest_points(
                     if _bound_at(known, x, y, z) >= enough or not _covers(coarse, x, y, z):
                         continue
                     value = _value_at(fine, x, y, z) if _covers(fine, x, y, z) else _value_at(coarse, x, y, z)
-                    if value < values[number]:
-                        values[number], enough = value, near_enough(value, least[number])
-                        nearest[number, 0], nearest[number, 1], nearest[number, 2] = x, y, z
+                    if value < least_value:
+                        least_value, enough = value, near_enough(value, least[number])
+                        place[0], place[1], place[2] = x, y, z
                 continue
             second = first + 1
             x, y, z = _moved(R, t, balls, first)
@@ -270,14 +283,20 @@ def nearest_points(
             waiting[count], bounds[count] = first, one
             waiting[count + 1], bounds[count + 1] = second, other
             count += 2
-    return values, nearest
+        if least_value < caps[number]:
+            indices[count_found], values[count_found] = number, least_value
+            _derivatives(field, fine, place, gradients[count_found], hessian)
+            count_found += 1
+    return indices[:count_found], values[:count_found], nearest[:count_found], gradients[:count_found]
 
 
 @compiled
 def near_enough(value: float, least: float) -> float:
     """Return the distance below which a point is still looked for where one at a distance `value` is known, m."""
-    apart = abs(value - least)
-    return value - apart * min(LOOSE + LOOSER * apart, LOOSEST)
+    apart = value - least
+    if apart > 0.0:
+        return value - ABOVE * apart
+    return value + apart * min(LOOSE - LOOSER * apart, LOOSEST)
 
 
 @compiled

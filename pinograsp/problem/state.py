@@ -9,7 +9,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..collision.distances import Distances
-from ..collision.object_points import ObjectPoints
 from ..geometry.contact_faces import ContactFace
 from ..kinematics.contacts import ContactKinematics, contact_kinematics, jacobian_derivatives
 from ..kinematics.forward import Configuration, forward
@@ -42,7 +41,6 @@ class State:
         self._desired = desired
         size = model.robot.posture_size
         self.configuration: Configuration = forward(model.robot, data, x[:size])
-        self._object_distances: dict[ObjectPoints, Distances] = {}
         self.contacts: ContactKinematics = contact_kinematics(self.configuration, x[size:])
 
     @property
@@ -82,11 +80,10 @@ class State:
         """Signed distances of the pairs of bodies."""
         return self.model.collisions.distances(self.configuration)
 
-    def object_distances(self, points: ObjectPoints) -> Distances:
-        """Return the distances of sets of points to an uneven object; measured once."""
-        if points not in self._object_distances:
-            self._object_distances[points] = self.model.object_distances(points, self.configuration)
-        return self._object_distances[points]
+    @cached_property
+    def object_distances(self) -> Distances:
+        """Distances of `TaskModel.object_points` to an uneven object."""
+        return self.model.object_distances(self.configuration)
 
     @cached_property
     def grasp(self) -> Contacts:

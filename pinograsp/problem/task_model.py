@@ -9,8 +9,8 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from ..collision.distances import CollisionModel, Distances
-from ..collision.object_points import ObjectPoints
-from ..collision.scene_world import task_world
+from ..collision.object_points import ObjectPoints, object_points
+from ..collision.scene_world import MARGIN_EXCESS, task_world
 from ..collision.world import BodyKey, Role
 from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
@@ -106,9 +106,14 @@ class TaskModel:
         """Return the outward normals of the object as a pad feels them at world points, shape (n, 3)."""
         return self.footprint(points)[0] if self.surface.uneven else self.object_surface(points)[1]
 
-    def object_distances(self, points: ObjectPoints, configuration: Configuration) -> Distances:
-        """Return the distances of sets of points to the object, which is uneven."""
-        return points.distances(configuration, cast(UnevenSurface, self.surface), self.T_world_object)
+    @property
+    def object_points(self) -> ObjectPoints:
+        """The points by which the robot is kept off an uneven object."""
+        return object_points(self.robot, self.task.margin.object + MARGIN_EXCESS)
+
+    def object_distances(self, configuration: Configuration) -> Distances:
+        """Return the distances of `object_points` to the object, which is uneven."""
+        return self.object_points.distances(configuration, cast(UnevenSurface, self.surface), self.T_world_object)
 
     def touched_parts(self, points: Array) -> Indices:
         """Return the part of the object that each world point is nearest to; 0 but of a compound."""

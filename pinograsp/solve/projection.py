@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import compiled
 from ..problem import DesiredPoints, GraspProblem, Residual, State, TaskModel
 from ..solver_words import Projection
 
@@ -123,8 +124,7 @@ def least_squares(
         if square < done**2 or slow == 2 or since == HOPELESS:
             break
         since += 1
-        step = _damped_step(residual.jacobian * unit, residual.values, damping, _at_bound(x, lower, upper))
-        trial_x = np.clip(x + unit * step, lower, upper)
+        trial_x = damped_step(residual.values, residual.jacobian, x, unit, lower, upper, damping)
         trial = residual_at(trial_x)
         trial_square = float(trial.values @ trial.values)
         if trial_square < square:
@@ -138,22 +138,32 @@ def least_squares(
     return x
 
 
-def _at_bound(x: Array, lower: Array, upper: Array) -> Array:
-    """Return -1, 0 or 1 for variables at their lower bound, between bounds, at their upper bound."""
-    return np.where(x >= upper, 1.0, 0.0) - np.where(x <= lower, 1.0, 0.0)
+@compiled
+def damped_step(
+    values: Array, jacobian: Array, x: Array, unit: Array, lower: Array, upper: Array, damping: float
+) -> Array:
+    """Return where the Levenberg-Marquardt step of the variables leads that do not push against their bound.
 
-
-def _damped_step(J: Array, values: Array, damping: float, at_bound: Array) -> Array:
-    """Return the Levenberg-Marquardt step of the variables that do not push against their bound."""
-    gradient = J.T @ values
-    free = gradient * at_bound >= 0
-    step = np.zeros(J.shape[1])
-    while free.any():
-        F = J[:, free]
+    Args:
+        values: shape (m,).
+        jacobian: of these in x, shape (m, v).
+        x: within bounds, shape (v,).
+        unit: steps that count alike; 0 of those that stay, shape (v,).
+        lower: bound of x, shape (v,).
+        upper: likewise.
+        damping: added to the diagonal of the squares.
+    """
+    J = jacobian * unit
+    gradient, squares = J.T @ values, J.T @ J
+    step, free, again = np.zeros(len(x)), np.empty(len(x), dtype=np.bool_), True
+    for i in range(len(x)):
+        free[i] = (x[i] < upper[i] or gradient[i] >= 0.0) and (x[i] > lower[i] or gradient[i] <= 0.0)
+    while again and free.any():
+        which = np.flatnonzero(free)
         step[:] = 0.0
-        step[free] = np.linalg.solve(F.T @ F + damping * np.eye(F.shape[1]), -gradient[free])
-        outward = free & (step * at_bound > 0)
-        if not outward.any():
-            break
-        free &= ~outward
-    return step
+        step[which] = np.linalg.solve(squares[which][:, which] + damping * np.eye(len(which)), -gradient[which])
+        again = False
+        for k in which:
+            if (x[k] >= upper[k] and step[k] > 0.0) or (x[k] <= lower[k] and step[k] < 0.0):
+                free[k], again = False, True
+    return np.minimum(np.maximum(x + unit * step, lower), upper)

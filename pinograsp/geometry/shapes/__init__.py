@@ -90,10 +90,11 @@ class UnevenSurface(Surface, Protocol):
 
     def nearest_points(
         self, sets: PointTrees, rotations: Array, translations: Array, least: Array, caps: Array
-    ) -> tuple[Array, Array]:
-        """Return the least signed distance of sets of points, or their cap, and the point there.
+    ) -> tuple[Indices, Array, Array, Array]:
+        """Return which sets of points are nearer than their cap, with distances, points and gradients there.
 
-        It may be too large by a tenth of its difference from the least distance that is wanted.
+        A distance may be too large by a tenth of what it lacks to the one that is wanted, or by most of what it has
+        above that.
 
         Args:
             sets: points that are fixed to bodies.
@@ -101,6 +102,10 @@ class UnevenSurface(Surface, Protocol):
             translations: of these, m, shape (bodies, 3).
             least: distances of each set that are wanted, m, shape (sets,).
             caps: distances of each set from which on they do not matter, m, shape (sets,).
+
+        Returns:
+            Indices of sets, ascending, shape (k,); signed distances, m, shape (k,); points in the frame of the surface
+            and gradients there, shapes (k, 3).
         """
         ...
 

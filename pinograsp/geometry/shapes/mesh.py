@@ -16,8 +16,9 @@ from ...memo import remembered
 from ..contact_faces import ContactFace, Spot
 from ..convex_solid import ConvexPiece, convex_solid
 from ..cover_cache import body_cover
-from ..distance_field import DistanceField
+from ..distance_field import APART, DistanceField
 from ..exact_distance import ExactDistance
+from ..field_bounds import Bounds, bounds_of
 from ..field_cache import mesh_field
 from ..field_kernels import field_distances, field_normals, nearest_points
 from ..hulls import Hull
@@ -51,6 +52,10 @@ class BodySurface:
         return mesh_field(self._name, self._exact)
 
     @cached_property
+    def _bounds(self) -> Bounds:
+        return bounds_of(self.field.distance, self.field.above, APART)
+
+    @cached_property
     def _exact(self) -> ExactDistance:
         return ExactDistance(self._vertices, self._faces, self._outer)
 
@@ -77,9 +82,9 @@ class BodySurface:
 
     def nearest_points(
         self, sets: PointTrees, rotations: Array, translations: Array, least: Array, caps: Array
-    ) -> tuple[Array, Array]:
-        """Return the least signed distance of sets of points, or their cap, and the point there."""
-        return nearest_points(sets, self.field, rotations, translations, least, caps)
+    ) -> tuple[Indices, Array, Array, Array]:
+        """Return which sets of points are nearer than their cap, with distances, points and gradients there."""
+        return nearest_points(sets, self.field, self._bounds, rotations, translations, least, caps)
 
     def deepest_point(self, normals: Array, offsets: Array) -> tuple[float, Array, int]:
         """Return how deep the surface is in a convex solid, the point there of those `SPACING` apart, and the facet."""

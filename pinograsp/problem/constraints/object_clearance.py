@@ -9,9 +9,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ...arrays import Array, Indices
 from ...collision.distances import REACH
-from ...collision.object_points import link_points
-from ...collision.scene_world import MARGIN_EXCESS
 from ...collision.world import CLEARANCES
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
@@ -29,8 +28,9 @@ class ObjectClearance(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        self._points = link_points(model.robot, model.task.margin.object + MARGIN_EXCESS)
-        self._links = [found.link for found in self._points.sets]
+        points = model.object_points
+        self._least = points.least[: points.links]
+        self._links = [found.link for found in points.sets[: points.links]]
         links = list(dict.fromkeys(self._links))
         self.rows = tuple(f"object clearance of {link}" for link in links)
         self._link_of = np.array([links.index(link) for link in self._links], dtype=np.intp)
@@ -38,23 +38,27 @@ class ObjectClearance(Inside):
         self._object = model.task.object
 
     def inside(self, state: State) -> Residual:
-        measured = state.object_distances(self._points)
-        above = measured.values - self._points.least[measured.indices]
-        links = self._link_of[measured.indices]
-        values, slopes = smooth_minima(above, measured.gradients, links, self._counts, REACH)
+        indices, above, gradients = self._measured(state)
+        values, slopes = smooth_minima(above, gradients, self._link_of[indices], self._counts, REACH)
         jacobian = np.zeros((len(values), len(state.x)))
         jacobian[:, : slopes.shape[1]] = slopes
         return Residual(values, jacobian)
 
+    def _measured(self, state: State) -> tuple[Indices, Array, Array]:
+        """Return the sets of links that were measured, distances above what is wanted of them, m, and gradients."""
+        measured = state.object_distances
+        count = int(np.searchsorted(measured.indices, len(self._least)))
+        indices = measured.indices[:count]
+        return indices, measured.values[:count] - self._least[indices], measured.gradients[:count]
+
     def violations(self, state: State) -> list[Violation]:
         """Return the violation of the solid that is nearest, if one is near."""
-        measured = state.object_distances(self._points)
-        if not len(measured.indices):
+        indices, above, _ = self._measured(state)
+        if not len(indices):
             return []
-        above = measured.values - self._points.least[measured.indices]
         worst = int(above.argmin())
         missing = max(0.0, -1e3 * float(above[worst]))
-        link = self._links[int(measured.indices[worst])]
+        link = self._links[int(indices[worst])]
         return [Violation(self.name, missing, "mm", f"{link} - {self._object}", size=missing)]
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from ...collision.distances import REACH
-from ...collision.object_points import pad_points
 from ...collision.pairs import PAD_CLEARANCE
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
@@ -27,14 +28,17 @@ class PadDepth(Inside):
     least = 0.0
 
     def __init__(self, model: TaskModel) -> None:
-        self._points = pad_points(model.robot)
-        self.rows = tuple(f"pad depth of {found.link}, {i + 1}" for i, found in enumerate(self._points.sets))
-        self._links = [f"{found.link} - {model.task.object}" for found in self._points.sets]
+        points = model.object_points
+        self._first, self._least = points.links, points.least[points.links :]
+        self.rows = tuple(f"pad depth of {found.link}, {i + 1}" for i, found in enumerate(points.sets[points.links :]))
+        self._links = [f"{found.link} - {model.task.object}" for found in points.sets[points.links :]]
 
     def inside(self, state: State) -> Residual:
-        measured = state.object_distances(self._points)
-        above = measured.values - self._points.least[measured.indices]
-        return Residual(*bent_rows(above, measured.gradients, measured.indices, len(self.rows), len(state.x), REACH))
+        measured = state.object_distances
+        begin = int(np.searchsorted(measured.indices, self._first))
+        rows = measured.indices[begin:] - self._first
+        above, gradients = measured.values[begin:] - self._least[rows], measured.gradients[begin:]
+        return Residual(*bent_rows(above, gradients, rows, len(self.rows), len(state.x), REACH))
 
     def violations(self, state: State) -> list[Violation]:
         found = self.largest_violation(state, "mm", 1e3, self._links)
