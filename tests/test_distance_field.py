@@ -210,7 +210,7 @@ def test_bounds_lie_below_the_distance_and_next_to_it_near_the_surface(name: str
     below = linear[:, 0] + bounds.spacing * (linear[:, 1:] * (steps - cells)).sum(axis=1)
     true = exact.signed(points)
     assert (below <= field_distances(field, points)[0] + 1e-9).all()
-    assert (below <= true)[true > -0.005].all()  # deeper inside the spline of the coarse lattice is no better
+    assert (below <= true + 1e-4)[true > -0.005].all()  # deeper inside the spline of the coarse lattice is no better
     near = np.abs(true) < 0.002
     assert np.median((true - below)[near]) < 0.5 * bounds.spacing
 

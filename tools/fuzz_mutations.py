@@ -26,18 +26,16 @@ Path = tuple[Any, ...]
 
 
 def paths(tree: Tree) -> list[Path]:
-    """Return the path of everything in a tree of dicts and lists."""
+    """Return the path of everything in a tree of dicts and lists, however deep."""
     found: list[Path] = []
-    _collect(tree, (), found)
+    waiting: list[tuple[Path, Tree]] = [((), tree)]
+    while waiting:
+        path, block = waiting.pop()
+        for key, part in block.items() if isinstance(block, dict) else enumerate(block):
+            found.append((*path, key))
+            if isinstance(part, dict | list):
+                waiting.append((found[-1], part))
     return found
-
-
-def _collect(tree: Tree, path: Path, found: list[Path]) -> None:
-    for key, part in tree.items() if isinstance(tree, dict) else enumerate(tree):
-        inside = (*path, key)
-        found.append(inside)
-        if isinstance(part, dict | list):
-            _collect(part, inside, found)
 
 
 def part_at(tree: Tree, path: Path) -> Any:

@@ -35,7 +35,7 @@ from .field_kernels import AROUND, coarse_values
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 8
+VERSION = 9
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -95,11 +95,10 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
     h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
-    steps = np.ceil(((high - low) / h + 2 * (MARGIN + 1 + RIM)) / APART).astype(int)
-    counts = tuple((APART * steps + 1).tolist())
+    counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * (MARGIN + 1 + RIM)).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
-    known = exact.unsigned(nodes(origin, APART * h, tuple((steps + 1).tolist()))).reshape(steps + 1)
-    distances = _no_less(known, h).ravel()
+    known = _at_every(exact, origin, h, counts)
+    distances = _no_less(known, h, counts).ravel()
     near = np.flatnonzero(distances < BLENDED * h)
     distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
     signs = _signs(exact, distances.reshape(counts), origin, h)
@@ -110,22 +109,30 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     share = share * share * (3.0 - 2.0 * share)
     flat[near] = share * flat[near] + (1.0 - share) * signs.ravel()[near] * distances[near]
     every = (slice(None, None, APART),) * 3
-    beyond = SAFELY * maximum_filter(values[every] - signs[every] * known, 3, mode="nearest")
+    first = tuple(slice(count) for count in values[every].shape)
+    beyond = SAFELY * (values[every] - signs[every] * known[first])
+    above = np.maximum(maximum_filter(beyond, 3, mode="nearest"), ROUGH * h)
     return DistanceField(
         lattice_of(values, origin, h),
         lattice_of(gaussian_filter(values, sigma / h, truncate=_TRUNCATED), origin, h),
         coarse,
-        np.maximum(beyond, ROUGH * h).astype(np.float32),
-        _most_outside(SAFELY * (values[every] - signs[every] * known)),
+        above.astype(np.float32),
+        _most_outside(beyond),
     )
 
 
-def _no_less(known: Array, h: float) -> Array:
-    """Return lower bounds of the distances at all nodes, given those at every `APART`-th one along each axis, m."""
-    nearest = [np.arange(APART * (count - 1) + 1) + APART // 2 for count in known.shape]
-    ways = [(h * ((along % APART) - APART // 2)) ** 2 for along in nearest]
-    way = np.sqrt(ways[0][:, None, None] + ways[1][:, None] + ways[2])
-    return np.asarray(known[np.ix_(*(along // APART for along in nearest))] - way)
+def _at_every(exact: ExactDistance, origin: Array, h: float, counts: tuple[int, ...]) -> Array:
+    """Return the distances of every `APART`-th node along each axis, and of the next one after the last, m."""
+    steps = tuple(math.ceil((count - 1) / APART) + 1 for count in counts)
+    return exact.unsigned(nodes(origin, APART * h, steps)).reshape(steps)
+
+
+def _no_less(known: Array, h: float, counts: tuple[int, ...]) -> Array:
+    """Return lower bounds of the distances of all nodes, m, given those of every `APART`-th one along each axis."""
+    shifted = [np.arange(count) + APART // 2 for count in counts]
+    squares = [(h * (along % APART - APART // 2)) ** 2 for along in shifted]
+    way = np.sqrt(squares[0][:, None, None] + squares[1][:, None] + squares[2])
+    return np.asarray(known[np.ix_(*(along // APART for along in shifted))] - way)
 
 
 def _most_outside(values: Array) -> float:
