@@ -25,16 +25,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, label, maximum_position
+from scipy.ndimage import gaussian_filter, label
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
 from .field_kernels import AROUND, coarse_values
+from .field_nodes import farthest_nodes, nodes_between, some_nodes
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 7
+VERSION = 8
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -42,9 +43,11 @@ EXACT, BLENDED = 4.0, 6.0
 spacings."""
 MARGIN = 8
 """Spacings from the body to where the fine lattice ends."""
-FINEST, MOST_NODES = 0.0005, 3_500_000
-"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
+FINEST, MOST_NODES = 0.0005, 3_300_000
+"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 9 bytes for each: less than 30 MB."""
 COARSE_NODES = 60_000
+ASKED = 1
+"""Nodes of the coarse lattice's rim whose distances are asked for; those beyond go on as the last ones do."""
 ROUGH = 0.1
 """How far the fine spline may lie below the distance, in its spacings."""
 SAFELY = 1.5
@@ -100,20 +103,17 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     """
     low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
-    h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
+    h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 4))
     reach = MARGIN + 1 + RIM
     counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     values = coarse_values(coarse, origin, h, counts)
-    near = np.flatnonzero(np.abs(values.ravel()) < BLENDED * h + 0.3 * coarse.spacing)
-    distances = np.abs(values.ravel())
-    distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
-    signs = _signs(exact, distances.reshape(counts), origin, h)
-    exactly = signs.ravel()[near] * distances[near]
+    distances, near = _exact_next_to(exact, np.abs(values), BLENDED * h + 0.3 * coarse.spacing, origin, h)
+    exactly = _signs(exact, distances, origin, h).ravel()[near] * distances.ravel()[near]
     beyond = values.ravel()[near] - exactly
     outside = values.ravel()[near] > EXACT * h
     errors = [SAFELY * max(0.0, float(part.max(initial=0.0))) for part in (beyond[outside], beyond[~outside])]
-    share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
+    share = np.clip((np.abs(exactly) / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     flat = values.ravel()
     flat[near] = share * flat[near] + (1.0 - share) * exactly
@@ -128,10 +128,34 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
 def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
     size = high - low + 2.0 * AROUND
     h = _spacing_of(size, COARSE_NODES, 3)
-    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * RIM).tolist())
+    beyond = RIM - ASKED
+    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * ASKED).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     distances = exact.unsigned(nodes(origin, h, counts)).reshape(counts)
-    return lattice_of(_signs(exact, distances, origin, h) * distances, origin, h)
+    values = np.pad(_signs(exact, distances, origin, h) * distances, beyond, mode="reflect", reflect_type="odd")
+    return lattice_of(values, origin - beyond * h, h)
+
+
+def _exact_next_to(
+    exact: ExactDistance, distances: Array, about: float, origin: Array, h: float
+) -> tuple[Array, Indices]:
+    """Return unsigned distances of the nodes of a lattice, exact next to the surface, and the numbers of these nodes.
+
+    Args:
+        exact: distances to the surface.
+        distances: about those of the nodes, changed here, m, shape (nx, ny, nz).
+        about: what these are less than where a node may be next to the surface, m.
+        origin: of the first node, m, shape (3,).
+        h: spacing, m.
+    """
+    counts, flat = distances.shape, distances.ravel()
+    known = np.full(distances[::2, ::2, ::2].shape, -np.inf)
+    asked = np.argwhere(distances[::2, ::2, ::2] < about)
+    first = np.asarray(np.ravel_multi_index(tuple(2 * asked.T), counts))
+    flat[first] = known[tuple(asked.T)] = exact.unsigned(some_nodes(origin, h, counts, first))
+    others = nodes_between(known, distances, about, BLENDED * h, h)
+    flat[others] = exact.unsigned(some_nodes(origin, h, counts, others))
+    return distances, np.concatenate([first, others])
 
 
 def _spacing_of(size: Array, most: int, further: int) -> float:
@@ -148,8 +172,7 @@ def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> N
     regions, count = label(distances > 0.501 * h)
     signs = np.where(regions > 0, 1.0, 0.0)
     if count:
-        farthest = np.array(maximum_position(distances, regions, np.arange(1, count + 1)), dtype=np.float64)
-        inside = exact.inside(origin + h * farthest)
+        inside = exact.inside(origin + h * farthest_nodes(distances, regions, count))
         signs[np.concatenate([[False], inside])[regions]] = -1.0
     close = np.argwhere(regions == 0)
     close = close[((close > 0) & (close < np.array(signs.shape) - 1)).all(axis=1)]
@@ -162,8 +185,3 @@ def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> N
     unknown = np.argwhere(signs == 0.0)
     signs[tuple(unknown.T)] = np.where(exact.inside(origin + h * unknown), -1.0, 1.0)
     return signs
-
-
-def _some_nodes(origin: Array, h: float, counts: tuple[int, ...], which: NDArray[np.intp]) -> Array:
-    """Return some nodes of a lattice by their number, shape (n, 3), m."""
-    return np.asarray(origin + h * np.column_stack(np.unravel_index(which, counts)))
