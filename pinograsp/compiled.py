@@ -28,10 +28,19 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 def compiled(function: Function) -> Function:
     """Compile a function; division by zero gives infinity or NaN, as in NumPy."""
+    return _compiled(function, error_model="numpy")
+
+
+def compiled_for_threads(function: Function) -> Function:
+    """Compile a function during which other threads of Python run, as `compiled`."""
+    return _compiled(function, error_model="numpy", nogil=True)
+
+
+def _compiled(function: Function, **options: Any) -> Function:
     try:
-        made = numba.njit(cache=True, error_model="numpy")(function)
+        made = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # no folder can be written: compiled in every process
-        return cast(Function, numba.njit(error_model="numpy")(function))
+        return cast(Function, numba.njit(**options)(function))
     if (cache := getattr(made, "_cache", None)) is not None:  # none with NUMBA_DISABLE_JIT
         cache._cache_file.__class__ = _Sealed
     return cast(Function, made)

@@ -13,7 +13,7 @@ from conftest import Array
 
 from pinograsp.cache_folder import cache_folder
 from pinograsp.descriptions.mesh_contact import SIGMAS
-from pinograsp.geometry.distance_field import APART, DistanceField, distance_field, footprint_sigma
+from pinograsp.geometry.distance_field import APART, EXACT, DistanceField, footprint_sigma
 from pinograsp.geometry.exact_distance import ExactDistance
 from pinograsp.geometry.field_bounds import bounds_of
 from pinograsp.geometry.field_cache import mesh_field
@@ -139,13 +139,48 @@ def test_thin_sheets_have_two_sides() -> None:
     np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=5e-5)
 
 
-def test_lattices_stay_small() -> None:
-    """A body of a metre has a coarser lattice: no more than 30 MB."""
-    vertices, faces = meshes.arrays(meshes.box([-0.5, -0.2, -0.1], [0.5, 0.2, 0.1]))
-    field = distance_field(ExactDistance(vertices, faces), 0.002)
-    assert sum(lattice.coefficients.nbytes for lattice in (field.distance, field.smoothed, field.coarse)) < 30e6
-    points = np.array([[0.5, 0.1, 0.03], [0.2, -0.2, 0.0]])
+@pytest.mark.parametrize("size", [(1.0, 0.4, 0.2), (0.13, 0.13, 0.13), (0.5, 0.5, 0.001)])
+def test_what_is_kept_stays_small(
+    size: tuple[float, float, float], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A large body has a coarser lattice: no more than 30 MB."""
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
+    half = 0.5 * np.array(size)
+    vertices, faces = meshes.arrays(meshes.box(-half, half))
+    field = mesh_field("large", ExactDistance(vertices, faces))
+    [file] = (cache_folder() / "fields").iterdir()
+    assert 15e6 < file.stat().st_size < 30e6
+    points = half * [[1.0, 0.5, 0.3], [0.4, -1.0, 0.0]]
     np.testing.assert_allclose(field_distances(field, points)[0], 0.0, atol=2e-4)
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_next_to_the_surface_nodes_are_exact(name: str) -> None:
+    """Those within four spacings, also where the coarse lattice is far from right."""
+    _, exact, (fine, _, _, _, _) = thing(name)
+    some = np.stack(
+        np.meshgrid(*(np.arange(1, count - 1) for count in fine.coefficients.shape), indexing="ij"), axis=-1
+    )
+    nodes = fine.origin + fine.spacing * some.reshape(-1, 3)[::7]
+    true = exact.signed(nodes)
+    near = np.abs(true) < EXACT * fine.spacing
+    assert near.sum() > 1000
+    np.testing.assert_allclose(field_distances(thing(name)[2], nodes[near])[0], true[near], atol=2e-7)
+
+
+def test_the_coarse_lattice_leads_away_from_the_body_to_its_end() -> None:
+    """What is assumed beyond its border does not show in the slopes: all around a ball they are radial."""
+    vertices, faces = meshes.arrays(meshes.ball(0.03, 4))
+    field = mesh_field("fine ball", ExactDistance(vertices, faces))
+    low = field.coarse.origin + field.coarse.spacing
+    high = field.coarse.origin + field.coarse.spacing * (np.array(field.coarse.coefficients.shape) - 2)
+    rng = np.random.default_rng(0)
+    points, ends = rng.uniform(low, high, (600, 3)), np.arange(600)
+    points[ends, ends % 3] = np.where(ends % 2, high[ends % 3] - 1e-9, low[ends % 3] + 1e-9)
+    radii = np.linalg.norm(points, axis=1)[:, None]
+    distances, gradients, _ = field_distances(field, points)
+    np.testing.assert_allclose(distances, radii[:, 0] - 0.03, atol=1e-4)
+    np.testing.assert_allclose(gradients, points / radii, atol=7e-3)  # facets of a degree
 
 
 def test_fields_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

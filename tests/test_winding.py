@@ -9,8 +9,9 @@ import trimesh
 from meshes import ball, box
 
 from pinograsp.arrays import Array, Integers
+from pinograsp.geometry.in_threads import AT_ONCE
 from pinograsp.geometry.triangle_tree import nearest, triangle_tree
-from pinograsp.geometry.winding import WAYS, Winding
+from pinograsp.geometry.winding import FEW, WAYS, Winding
 
 
 def _parts(mesh: trimesh.Trimesh) -> tuple[Array, Integers]:
@@ -52,6 +53,40 @@ def test_nearest_triangles(name: str) -> None:
         ]
     )
     np.testing.assert_allclose(own, distances, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 8, 9, 16, 17, 40, 64, 65, 129, 600])
+def test_nearest_of_any_number_of_triangles(count: int) -> None:
+    """However deep the tree is, and however many parts of its boxes are empty."""
+    rng = np.random.default_rng(count)
+    vertices = (rng.uniform(-1.0, 1.0, (count, 1, 3)) + 0.02 * rng.normal(size=(count, 3, 3))).reshape(-1, 3)
+    faces, points = np.arange(3 * count).reshape(-1, 3), rng.uniform(-1.5, 1.5, (500, 3))
+    squares, which, _ = igl.point_mesh_squared_distance(points, vertices, faces)
+    distances, numbers = nearest(triangle_tree(vertices, faces), points)
+    np.testing.assert_allclose(distances, np.sqrt(squares), atol=1e-12)
+    np.testing.assert_array_equal(numbers, which)
+
+
+@pytest.mark.parametrize("count", [FEW, FEW + 1, 3 * AT_ONCE + 1])
+def test_winding_numbers_of_few_and_of_many_points(count: int) -> None:
+    """Few are counted without a tree, many in several threads."""
+    vertices, faces = _parts(ball(1.0, subdivisions=3))
+    points = np.random.default_rng(0).uniform(-1.2, 1.2, (count, 3))
+    radii = np.linalg.norm(points, axis=1)
+    clear = np.abs(radii - 1.0) > 0.02
+    np.testing.assert_array_equal(Winding(vertices, faces).numbers(points)[clear], radii[clear] < 1.0)
+
+
+def test_the_number_of_cores_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not the last digit either."""
+    vertices, faces = _parts(ball(1.0, subdivisions=3))
+    points = np.random.default_rng(0).uniform(-1.5, 1.5, (2 * AT_ONCE + 5, 3))
+    found = []
+    for cores in (1, 5):
+        monkeypatch.setattr("pinograsp.geometry.in_threads._cores", lambda cores=cores: cores)
+        found.append((*nearest(triangle_tree(vertices, faces), points), Winding(vertices, faces).numbers(points)))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("name", [name for name in BODIES if name != "one triangle"])

@@ -26,16 +26,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, label, maximum_filter, maximum_position
+from scipy.ndimage import gaussian_filter, label, maximum_filter
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from .exact_distance import ExactDistance
 from .field_kernels import AROUND, coarse_values
+from .field_nodes import farthest_nodes, nodes_between, some_nodes
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 9
+VERSION = 10
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -43,11 +44,13 @@ EXACT, BLENDED = 4.0, 6.0
 spacings."""
 MARGIN = 8
 """Spacings from the body to where the fine lattice ends."""
-FINEST, MOST_NODES = 0.0005, 3_500_000
-"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each."""
+FINEST, MOST_NODES = 0.0005, 3_300_000
+"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 9 bytes for each: less than 30 MB."""
 COARSE_NODES = 60_000
 APART = 4
 """Nodes of the fine lattice from one where the distance is asked for first to the next."""
+ASKED = 1
+"""Nodes of the coarse lattice's rim whose distances are asked for; those beyond go on as the last ones do."""
 ROUGH = 0.1
 """How far the fine spline may lie above the distance between nodes where it is exact, in its spacings."""
 SAFELY = 1.5
@@ -94,23 +97,21 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     """
     low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
     coarse = _coarse(exact, low, high)
-    h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 2))
+    h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 4))
     counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * (MARGIN + 1 + RIM)).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     known = _at_every(exact, origin, h, counts)
-    distances = _no_less(known, h, counts).ravel()
-    near = np.flatnonzero(distances < BLENDED * h)
-    distances[near] = exact.unsigned(_some_nodes(origin, h, counts, near))
-    signs = _signs(exact, distances.reshape(counts), origin, h)
-    rough = coarse_values(coarse, origin, h, counts)
-    values = np.where(signs * rough > 0.0, rough, signs * distances.reshape(counts))
-    flat = values.ravel()
-    share = np.clip((distances[near] / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
+    distances, near = _exact_next_to(exact, _no_less(known, h, counts), BLENDED * h, origin, h)
+    true = _signs(exact, distances, origin, h) * distances
+    values = coarse_values(coarse, origin, h, counts)
+    values = np.where(values * true > 0.0, values, true)
+    flat, exactly = values.ravel(), true.ravel()[near]
+    share = np.clip((np.abs(exactly) / h - EXACT) / (BLENDED - EXACT), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
-    flat[near] = share * flat[near] + (1.0 - share) * signs.ravel()[near] * distances[near]
+    flat[near] = share * flat[near] + (1.0 - share) * exactly
     every = (slice(None, None, APART),) * 3
     first = tuple(slice(count) for count in values[every].shape)
-    beyond = SAFELY * (values[every] - signs[every] * known[first])
+    beyond = SAFELY * (values[every] - np.copysign(known[first], true[every]))
     above = np.maximum(maximum_filter(beyond, 3, mode="nearest"), ROUGH * h)
     return DistanceField(
         lattice_of(values, origin, h),
@@ -145,10 +146,33 @@ def _most_outside(values: Array) -> float:
 def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
     size = high - low + 2.0 * AROUND
     h = _spacing_of(size, COARSE_NODES, 3)
-    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * RIM).tolist())
+    beyond = RIM - ASKED
+    counts = tuple((np.ceil(size / h).astype(int) + 3 + 2 * ASKED).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     distances = exact.unsigned(nodes(origin, h, counts)).reshape(counts)
-    return lattice_of(_signs(exact, distances, origin, h) * distances, origin, h)
+    values = np.pad(_signs(exact, distances, origin, h) * distances, beyond, mode="reflect", reflect_type="odd")
+    return lattice_of(values, origin - beyond * h, h)
+
+
+def _exact_next_to(exact: ExactDistance, least: Array, within: float, origin: Array, h: float) -> tuple[Array, Indices]:
+    """Return unsigned distances of the nodes of a lattice, exact next to the surface, and the numbers of these nodes.
+
+    Those of other nodes are what they are at least. Of what may be near, every second node along each axis comes first.
+
+    Args:
+        exact: distances to the surface.
+        least: what distances of the nodes are at least, changed here, m, shape (nx, ny, nz).
+        within: distance of what is next to the surface, m.
+        origin: of the first node, m, shape (3,).
+        h: spacing, m.
+    """
+    counts, flat, second = least.shape, least.ravel(), least[::2, ::2, ::2]
+    asked = np.argwhere(second < within)
+    first = np.asarray(np.ravel_multi_index(tuple(2 * asked.T), counts))
+    flat[first] = exact.unsigned(some_nodes(origin, h, counts, first))
+    others = nodes_between(least, within, h)
+    flat[others] = exact.unsigned(some_nodes(origin, h, counts, others))
+    return least, np.concatenate([first, others])
 
 
 def _spacing_of(size: Array, most: int, further: int) -> float:
@@ -165,8 +189,7 @@ def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> N
     regions, count = label(distances > 0.501 * h)
     signs = np.where(regions > 0, 1.0, 0.0)
     if count:
-        farthest = np.array(maximum_position(distances, regions, np.arange(1, count + 1)), dtype=np.float64)
-        inside = exact.inside(origin + h * farthest)
+        inside = exact.inside(origin + h * farthest_nodes(distances, regions, count))
         signs[np.concatenate([[False], inside])[regions]] = -1.0
     close = np.argwhere(regions == 0)
     close = close[((close > 0) & (close < np.array(signs.shape) - 1)).all(axis=1)]
@@ -179,8 +202,3 @@ def _signs(exact: ExactDistance, distances: Array, origin: Array, h: float) -> N
     unknown = np.argwhere(signs == 0.0)
     signs[tuple(unknown.T)] = np.where(exact.inside(origin + h * unknown), -1.0, 1.0)
     return signs
-
-
-def _some_nodes(origin: Array, h: float, counts: tuple[int, ...], which: NDArray[np.intp]) -> Array:
-    """Return some nodes of a lattice by their number, shape (n, 3), m."""
-    return np.asarray(origin + h * np.column_stack(np.unravel_index(which, counts)))

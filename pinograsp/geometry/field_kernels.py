@@ -133,11 +133,21 @@ def _derivatives_at(lattice: Lattice, x: float, y: float, z: float, gradient: Ar
 @compiled
 def coarse_values(coarse: Lattice, origin: Array, h: float, counts: tuple[int, int, int]) -> Array:
     """Return the values of a spline at the nodes of a finer lattice: its first node, spacing, m, and their numbers."""
-    values = np.empty(counts)
+    values, nodes, (x, y, z) = np.empty(counts), coarse.coefficients, origin
     for i in range(counts[0]):
+        first, t = _cell(coarse, 0, x + i * h)
+        a, near = _weights(t), nodes[first : first + 4]
+        plane = a[0] * near[0] + a[1] * near[1] + a[2] * near[2] + a[3] * near[3]
         for j in range(counts[1]):
+            first, t = _cell(coarse, 1, y + j * h)
+            b, rows = _weights(t), plane[first : first + 4]
+            row = b[0] * rows[0] + b[1] * rows[1] + b[2] * rows[2] + b[3] * rows[3]
             for k in range(counts[2]):
-                values[i, j, k] = _value_at(coarse, origin[0] + i * h, origin[1] + j * h, origin[2] + k * h)
+                first, t = _cell(coarse, 2, z + k * h)
+                c = _weights(t)
+                values[i, j, k] = (
+                    c[0] * row[first] + c[1] * row[first + 1] + c[2] * row[first + 2] + c[3] * row[first + 3]
+                )
     return values
 
 

@@ -1,7 +1,5 @@
 """Triangles in a tree of boxes, in which the one nearest to a point is found without most others.
 
-The tree is a complete binary one: every box is halved by number.
-
 Long triangles are in it in pieces. An edge is halved in both of its triangles, or in none: pieces share corners and
 edges as triangles do.
 """
@@ -14,26 +12,26 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Indices, Integers
-from ..compiled import compiled
+from ..compiled import compiled, compiled_for_threads
+from .box_tree import box_tree, groups
+from .in_threads import in_threads
 
 LONGEST = 1.0 / 20.0
 """Edge of a triangle that is not divided, in parts of the extent."""
-_LEAF = 2
-_LEVELS = 64
+_WAITING = 256
 """Boxes that wait to be looked at, at most."""
 
 
 class TriangleTree(NamedTuple):
-    """Boxes around triangles, m."""
+    """Boxes around triangles, as `box_tree.BoxTree`; a leaf is eight triangles."""
 
+    parts: Array
+    """m, shape (boxes, 6, 8)."""
+    shift: int
     corners: Array
-    """Of triangles or pieces of them, shape (n, 3, 3)."""
+    """Coordinates of the three corners of triangles or pieces of them, m, shape (leaves, 9, 8)."""
     owners: Indices
-    """Number of the triangle that each is a piece of, shape (n,)."""
-    starts: Indices
-    """First triangle of each leaf, and their number, shape (leaves + 1,)."""
-    boxes: Array
-    """Low and high ends; box k has the parts 2 k and 2 k + 1, the first is number 1, shape (2 leaves, 6)."""
+    """Number of the triangle that each is a piece of, shape (leaves, 8)."""
 
 
 def triangle_tree(vertices: Array, faces: Integers) -> TriangleTree:
@@ -43,26 +41,30 @@ def triangle_tree(vertices: Array, faces: Integers) -> TriangleTree:
         vertices: shape (v, 3), m.
         faces: shape (f, 3), f > 0.
     """
-    corners, owners = _divided(vertices[faces], LONGEST * float(np.ptp(vertices, axis=0).max()))
-    depth = max(0, math.ceil(math.log2(len(corners) / _LEAF)))
-    order, starts = _halved(corners.mean(axis=1), depth)
-    corners = corners[order]
-    boxes = np.zeros((2 << depth, 6))
-    boxes[1 << depth :, :3] = np.minimum.reduceat(corners.min(axis=1), starts[:-1])
-    boxes[1 << depth :, 3:] = np.maximum.reduceat(corners.max(axis=1), starts[:-1])
-    for level in range(depth - 1, -1, -1):
-        parts = boxes[2 << level : 4 << level].reshape(-1, 2, 6)
-        boxes[1 << level : 2 << level, :3] = parts[:, :, :3].min(axis=1)
-        boxes[1 << level : 2 << level, 3:] = parts[:, :, 3:].max(axis=1)
-    return TriangleTree(corners, owners[order], starts, boxes)
+    corners, owners = pieces(vertices, faces)
+    grouped, _ = groups(corners.mean(axis=1))
+    corners = corners[grouped]
+    boxes = box_tree(corners.min(axis=(1, 2)), corners.max(axis=(1, 2)))
+    sides = np.ascontiguousarray(corners.reshape(*grouped.shape, 9).transpose(0, 2, 1))
+    return TriangleTree(boxes.parts, boxes.shift, sides, owners[grouped])
 
 
-def _divided(corners: Array, longest: float) -> tuple[Array, Indices]:
-    """Return triangles halved at their longest edges until none is longer, m, and the triangle that each is of."""
-    owners = np.arange(len(corners))
+def pieces(vertices: Array, faces: Integers) -> tuple[Array, Indices]:
+    """Return triangles halved at their longest edges until none is long, and the triangle that each is of.
+
+    Args:
+        vertices: shape (v, 3), m.
+        faces: shape (f, 3), f > 0.
+
+    Returns:
+        Corners, m, shape (n, 3, 3), and numbers of triangles, shape (n,).
+    """
+    longest = LONGEST * float(np.ptp(vertices, axis=0).max())
+    corners, owners = vertices[faces], np.arange(len(faces))
     found, whose = [], []
     while True:
-        squares = ((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=2)
+        sides = corners[:, (1, 2, 0)] - corners
+        squares = np.einsum("nij,nij->ni", sides, sides)
         long = squares.max(axis=1) > longest * longest
         found.append(corners[~long])
         whose.append(owners[~long])
@@ -77,124 +79,86 @@ def _divided(corners: Array, longest: float) -> tuple[Array, Indices]:
         corners, owners = np.concatenate([first, second]), np.concatenate([owners, owners])
 
 
-@compiled
-def _halved(points: Array, depth: int) -> tuple[Indices, Indices]:
-    """Return the order of points in which every part of them is halved along its longest side, and the ends of parts.
-
-    Args:
-        points: shape (n, 3).
-        depth: how often they are halved; the ends have the shape (2^depth + 1,).
-    """
-    order, ends = np.arange(len(points)), np.empty((1 << depth) + 1, dtype=np.intp)
-    ends[0], ends[1 << depth] = 0, len(points)
-    step = 1 << depth
-    while step > 1:
-        for at in range(0, 1 << depth, step):
-            first, last, widest, longest = ends[at], ends[at + step], 0, -1.0
-            for axis in range(3):
-                low, high = np.inf, -np.inf
-                for k in range(first, last):
-                    low, high = min(low, points[order[k], axis]), max(high, points[order[k], axis])
-                if high - low > longest:
-                    widest, longest = axis, high - low
-            ends[at + step // 2] = half = first + (last - first) // 2
-            _parted(points, widest, order, first, last - 1, half)
-        step //= 2
-    return order, ends
-
-
-@compiled
-def _parted(points: Array, axis: int, order: Indices, low: int, high: int, half: int) -> None:
-    """Put into a part of the order, from low to high, first those that are lowest along an axis, up to half."""
-    while low < high:
-        pivot = points[order[(low + high) // 2], axis]
-        i, j = low, high
-        while i <= j:
-            while points[order[i], axis] < pivot:
-                i += 1
-            while points[order[j], axis] > pivot:
-                j -= 1
-            if i <= j:
-                order[i], order[j] = order[j], order[i]
-                i += 1
-                j -= 1
-        if half <= j:
-            high = j
-        elif half >= i:
-            low = i
-        else:
-            return
-
-
 def nearest(tree: TriangleTree, points: Array) -> tuple[Array, Indices]:
     """Return distances of points, shape (n, 3), to the nearest triangles, m, and the numbers of these, shape (n,)."""
-    return _nearest(tree, np.ascontiguousarray(points))
+    distances, numbers = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
+    in_threads(_nearest, tree, np.ascontiguousarray(points), distances, numbers)
+    return distances, numbers
 
 
-@compiled
-def _nearest(tree: TriangleTree, points: Array) -> tuple[Array, Indices]:
-    boxes, corners, starts, leaves = tree.boxes, tree.corners, tree.starts, len(tree.starts) - 1
-    waiting, bounds = np.empty(_LEVELS, dtype=np.intp), np.empty(_LEVELS)
-    found, numbers, best = np.empty(len(points)), np.empty(len(points), dtype=np.intp), 0
+@compiled_for_threads
+def _nearest(tree: TriangleTree, points: Array, distances: Array, numbers: Indices) -> None:
+    parts, shift, corners, boxes = tree.parts, tree.shift, tree.corners, len(tree.parts)
+    waiting, bounds, squares = np.empty(_WAITING, dtype=np.intp), np.empty(_WAITING), np.empty(8)
+    leaf = lane = 0
     for n in range(len(points)):
         x, y, z = points[n, 0], points[n, 1], points[n, 2]
-        least = _square(corners, best, x, y, z)  # of what is nearest to the point before
-        waiting[0], bounds[0], count = 1, 0.0, 1
+        least, count = np.inf, 2
+        waiting[0], bounds[0] = 0, 0.0
+        waiting[1], bounds[1] = boxes + leaf, 0.0  # what is nearest to the point before is looked at first
         while count:
             count -= 1
             if bounds[count] >= least:
                 continue
             box = waiting[count]
-            if box >= leaves:
-                for k in range(starts[box - leaves], starts[box - leaves + 1]):
-                    square = _square(corners, k, x, y, z)
-                    if square < least:
-                        least, best = square, k
+            if box >= boxes:
+                _to_triangles(corners[box - boxes], x, y, z, squares)
+                for j in range(8):
+                    if squares[j] < least:
+                        least, leaf, lane = squares[j], box - boxes, j
                 continue
-            one, other = _away(boxes, 2 * box, x, y, z), _away(boxes, 2 * box + 1, x, y, z)
-            nearer = 1 if other < one else 0
-            if max(one, other) < least:
-                waiting[count], bounds[count] = 2 * box + 1 - nearer, max(one, other)
-                count += 1
-            if min(one, other) < least:
-                waiting[count], bounds[count] = 2 * box + nearer, min(one, other)
-                count += 1
-        found[n] = math.sqrt(least)
-        numbers[n] = tree.owners[best]
-    return found, numbers
+            _to_boxes(parts[box], x, y, z, squares)
+            first = count
+            for j in range(8):
+                if squares[j] < least:
+                    k = count
+                    while k > first and bounds[k - 1] < squares[j]:  # the nearest one comes last: it is taken first
+                        waiting[k], bounds[k] = waiting[k - 1], bounds[k - 1]
+                        k -= 1
+                    waiting[k], bounds[k] = 8 * box + j + shift, squares[j]
+                    count += 1
+        distances[n] = math.sqrt(least)
+        numbers[n] = tree.owners[leaf, lane]
 
 
 @compiled
-def _away(boxes: Array, k: int, x: float, y: float, z: float) -> float:
-    """Return the square of the distance of a point to a box."""
-    a = max(boxes[k, 0] - x, x - boxes[k, 3], 0.0)
-    b = max(boxes[k, 1] - y, y - boxes[k, 4], 0.0)
-    c = max(boxes[k, 2] - z, z - boxes[k, 5], 0.0)
-    return float(a * a + b * b + c * c)
+def _to_boxes(ends: Array, x: float, y: float, z: float, squares: Array) -> None:
+    """Write the squares of the distances of a point to boxes, shape (6, n).
+
+    Their number is asked for here and below, although it is known: with a number that it knows, the compiler makes
+    no use of instructions for several at once.
+    """
+    for j in range(ends.shape[1]):
+        a = max(ends[0, j] - x, x - ends[3, j], 0.0)
+        b = max(ends[1, j] - y, y - ends[4, j], 0.0)
+        c = max(ends[2, j] - z, z - ends[5, j], 0.0)
+        squares[j] = a * a + b * b + c * c
 
 
 @compiled
-def _square(corners: Array, k: int, x: float, y: float, z: float) -> float:
-    """Return the square of the distance of a point to a triangle."""
-    ax, ay, az = corners[k, 0, 0], corners[k, 0, 1], corners[k, 0, 2]
-    bx, by, bz = corners[k, 1, 0] - ax, corners[k, 1, 1] - ay, corners[k, 1, 2] - az
-    cx, cy, cz = corners[k, 2, 0] - ax, corners[k, 2, 1] - ay, corners[k, 2, 2] - az
-    px, py, pz = x - ax, y - ay, z - az
-    bb, bc, cc = bx * bx + by * by + bz * bz, bx * cx + by * cy + bz * cz, cx * cx + cy * cy + cz * cz
-    pb, pc = px * bx + py * by + pz * bz, px * cx + py * cy + pz * cz
-    area = bb * cc - bc * bc
-    v, w = cc * pb - bc * pc, bb * pc - bc * pb
-    if v > 0.0 and w > 0.0 and v + w < area:  # above the triangle itself
+def _to_triangles(corners: Array, x: float, y: float, z: float, squares: Array) -> None:
+    """Write the squares of the distances of a point to triangles, shape (9, n)."""
+    for j in range(corners.shape[1]):
+        ax, ay, az = corners[0, j], corners[1, j], corners[2, j]
+        bx, by, bz = corners[3, j] - ax, corners[4, j] - ay, corners[5, j] - az
+        cx, cy, cz = corners[6, j] - ax, corners[7, j] - ay, corners[8, j] - az
+        px, py, pz = x - ax, y - ay, z - az
+        bb, bc, cc = bx * bx + by * by + bz * bz, bx * cx + by * cy + bz * cz, cx * cx + cy * cy + cz * cz
+        pb, pc = px * bx + py * by + pz * bz, px * cx + py * cy + pz * cz
+        area = bb * cc - bc * bc
+        v, w = cc * pb - bc * pc, bb * pc - bc * pb
+        above = (v > 0.0) & (w > 0.0) & (v + w < area)  # above the triangle itself
         v, w = v / area, w / area
-        return float(_length(px - v * bx - w * cx, py - v * by - w * cy, pz - v * bz - w * cz))
-    s = min(max(pb / bb, 0.0), 1.0) if bb > 0.0 else 0.0
-    least = _length(px - s * bx, py - s * by, pz - s * bz)
-    s = min(max(pc / cc, 0.0), 1.0) if cc > 0.0 else 0.0
-    least = min(least, _length(px - s * cx, py - s * cy, pz - s * cz))
-    dd = bb - 2.0 * bc + cc
-    s = min(max((pc - pb - bc + bb) / dd, 0.0), 1.0) if dd > 0.0 else 0.0
-    x, y, z = bx + s * (cx - bx), by + s * (cy - by), bz + s * (cz - bz)
-    return float(min(least, _length(px - x, py - y, pz - z)))
+        whole = _length(px - v * bx - w * cx, py - v * by - w * cy, pz - v * bz - w * cz)
+        s = min(max(pb / bb, 0.0), 1.0) if bb > 0.0 else 0.0
+        least = _length(px - s * bx, py - s * by, pz - s * bz)
+        s = min(max(pc / cc, 0.0), 1.0) if cc > 0.0 else 0.0
+        least = min(least, _length(px - s * cx, py - s * cy, pz - s * cz))
+        dd = bb - 2.0 * bc + cc
+        s = min(max((pc - pb - bc + bb) / dd, 0.0), 1.0) if dd > 0.0 else 0.0
+        ex, ey, ez = bx + s * (cx - bx), by + s * (cy - by), bz + s * (cz - bz)
+        least = min(least, _length(px - ex, py - ey, pz - ez))
+        squares[j] = whole if above else least
 
 
 @compiled

@@ -14,17 +14,22 @@ ends, taken in the same order, so that no way passes between them.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Indices, Integers
-from ..compiled import compiled
+from ..arrays import Array, Indices, Integers, Mask
+from ..compiled import compiled, compiled_for_threads
+from .box_tree import WIDE, box_tree, groups
+from .in_threads import in_threads
 from .mesh_parts import components, edges_of
-from .triangle_tree import TriangleTree, triangle_tree
+from .triangle_tree import pieces
 
 WAYS = ((0.3391, 0.2173), (-0.2719, 0.3837), (0.1571, -0.4211), (-0.3583, -0.1979))
 """How far a way goes along the first two axes while it goes 1 along the third; no special directions."""
-_LEVELS = 64
+FEW = 30
+"""Points for which the triangles are not put into a tree."""
+_WAITING = 256
 """Boxes that wait to be looked at, at most."""
 CLEAR = 2.0
 """Radius about an opening within which its solid angle counts, in parts of its own."""
@@ -45,12 +50,53 @@ class Winding:
         self._caps = _Caps(vertices, faces)
         added = self._caps.triangles.reshape(-1, 3)
         numbers = len(vertices) + np.arange(len(added)).reshape(-1, 3)
-        self._tree = triangle_tree(np.concatenate([vertices, added]), np.concatenate([faces, numbers]))
+        self._surface = np.concatenate([vertices, added]), np.concatenate([faces, numbers])
+        self._trees: dict[tuple[float, float], _WayTree] = {}
 
     def numbers(self, points: Array) -> Array:
         """Return the winding numbers of points, shape (n, 3), shape (n,)."""
-        points = np.ascontiguousarray(points)
-        return np.asarray(_counts(self._tree, points) - self._caps.angles(points))
+        points, rest = np.ascontiguousarray(points), np.arange(len(points))
+        found = np.zeros(len(points))
+        for way in WAYS:
+            if len(rest):
+                found[rest], sure = self._counted(points[rest], way)
+                rest = rest[~sure]
+        return np.asarray(found - self._caps.angles(points))
+
+    def _counted(self, points: Array, way: tuple[float, float]) -> tuple[Array, Mask]:
+        """Return N of points, shape (n, 3), and whether that is sure, shapes (n,)."""
+        counts, sure = np.zeros(len(points)), np.ones(len(points), dtype=bool)
+        vertices, faces = self._surface
+        if way not in self._trees and len(points) <= FEW:
+            _count_all(vertices[faces], way, points, counts, sure)
+            return counts, sure
+        if way not in self._trees:
+            self._trees[way] = _way_tree(pieces(vertices, faces)[0], way)
+        in_threads(_count_below, self._trees[way], points, counts, sure)
+        return counts, sure
+
+
+class _WayTree(NamedTuple):
+    """Boxes around triangles, as `box_tree.BoxTree`, seen along a way: it leads along their third axis."""
+
+    parts: Array
+    """m, shape (boxes, 6, 8)."""
+    shift: int
+    corners: Array
+    """Of the triangle that each leaf is, or which is never met, in the frame of the points, m, shape (leaves, 3, 3)."""
+    way: tuple[float, float]
+
+
+def _way_tree(corners: Array, way: tuple[float, float]) -> _WayTree:
+    """Return the tree of triangles, shape (n, 3, 3), m."""
+    seen = corners.copy()
+    seen[:, :, :2] -= corners[:, :, 2:] * way
+    low, high = seen.min(axis=1), seen.max(axis=1)
+    grouped, counts = groups(0.5 * (low + high))
+    low, high, empty = low[grouped], high[grouped], np.arange(WIDE) >= counts[:, None]
+    low[empty], high[empty] = np.inf, -np.inf
+    boxes = box_tree(low.reshape(-1, 3), high.reshape(-1, 3))
+    return _WayTree(boxes.parts, boxes.shift, corners[grouped.ravel()], way)
 
 
 class _Caps:
@@ -85,45 +131,55 @@ class _Caps:
 
 
 @compiled
-def _counts(tree: TriangleTree, points: Array) -> Array:
-    found = np.zeros(len(points))
+def _count_all(corners: Array, way: tuple[float, float], points: Array, found: Array, sure: Mask) -> None:
+    """Add to N of points what all of some triangles make, shape (t, 3, 3), and write whether that is sure."""
+    along, across = way
     for n in range(len(points)):
-        for way in range(len(WAYS)):
-            found[n], sure = _count(tree, points[n, 0], points[n, 1], points[n, 2], WAYS[way][0], WAYS[way][1])
-            if sure:
-                break
-    return found
+        z = points[n, 2]
+        x, y = points[n, 0] - along * z, points[n, 1] - across * z
+        for k in range(len(corners)):
+            met, known = _met(corners, k, x, y, z, along, across)
+            found[n] += met
+            sure[n] &= known
+
+
+@compiled_for_threads
+def _count_below(tree: _WayTree, points: Array, found: Array, sure: Mask) -> None:
+    """Do as `_count_all` does, with a tree."""
+    parts, corners, boxes, (along, across) = tree.parts, tree.corners, len(tree.parts), tree.way
+    waiting, within = np.empty(_WAITING, dtype=np.intp), np.empty(8)
+    for n in range(len(points)):
+        z, size = points[n, 2], abs(points[n, 0]) + abs(points[n, 1]) + abs(points[n, 2])
+        x, y = points[n, 0] - along * z, points[n, 1] - across * z
+        waiting[0], count = 0, 1
+        while count:
+            count -= 1
+            box = waiting[count]
+            _below(parts[box], x, y, z, size, within)
+            first = 8 * box + tree.shift
+            for j in range(8):
+                if within[j] == 0.0:
+                    continue
+                if first + j < boxes:
+                    waiting[count] = first + j
+                    count += 1
+                else:
+                    met, known = _met(corners, first + j - boxes, x, y, z, along, across)
+                    found[n] += met
+                    sure[n] &= known
 
 
 @compiled
-def _count(tree: TriangleTree, x: float, y: float, z: float, along: float, across: float) -> tuple[float, bool]:
-    """Return N of a point by one way, and whether that is sure."""
-    boxes, corners, starts, leaves = tree.boxes, tree.corners, tree.starts, len(tree.starts) - 1
-    waiting, found, sure = np.empty(_LEVELS, dtype=np.intp), 0.0, True
-    waiting[0], count = 1, 1
-    while count:
-        count -= 1
-        box = waiting[count]
-        high = boxes[box, 5] - z
-        if high < 0.0:
-            continue
-        low = max(boxes[box, 2] - z, 0.0)
-        slack = _SLACK * (abs(x) + abs(y) + abs(z) + high)
-        ends = min(along * low, along * high), max(along * low, along * high)
-        if x + ends[1] < boxes[box, 0] - slack or x + ends[0] > boxes[box, 3] + slack:
-            continue
-        ends = min(across * low, across * high), max(across * low, across * high)
-        if y + ends[1] < boxes[box, 1] - slack or y + ends[0] > boxes[box, 4] + slack:
-            continue
-        if box < leaves:
-            waiting[count], waiting[count + 1] = 2 * box, 2 * box + 1
-            count += 2
-            continue
-        for k in range(starts[box - leaves], starts[box - leaves + 1]):
-            met, told = _met(corners, k, x - along * z, y - across * z, z, along, across)
-            found += met
-            sure &= told
-    return found, sure
+def _below(ends: Array, x: float, y: float, z: float, size: float, within: Array) -> None:
+    """Write 1 for each of some boxes, shape (6, n), that a point is in or below, and else 0.
+
+    What rounding makes of a size, m, does not count. The number of boxes is asked for, although it is known: with a
+    number that it knows, the compiler makes no use of instructions for several at once.
+    """
+    for j in range(ends.shape[1]):
+        slack = _SLACK * (size + ends[5, j] - z)
+        inside = (z <= ends[5, j]) & (x >= ends[0, j] - slack) & (x <= ends[3, j] + slack)
+        within[j] = 1.0 if inside & (y >= ends[1, j] - slack) & (y <= ends[4, j] + slack) else 0.0
 
 
 @compiled
