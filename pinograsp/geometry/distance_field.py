@@ -89,7 +89,9 @@ def footprint_sigma(exact: ExactDistance) -> float:
         thick = np.ones(len(sizes), dtype=bool)
         for depth in (sigma, 2.0 * sigma):
             thick[thick] = exact.inside(((a + b + c) / 3.0 - depth * normals)[thick])
-        if sizes[thick].sum() >= THICK_SHARE * sizes.sum():
+            if sizes[thick].sum() < THICK_SHARE * sizes.sum():
+                break
+        else:
             return sigma
     return SIGMAS[-1]
 
