@@ -104,13 +104,13 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
         sigma: standard deviation of the Gaussian, m.
     """
     low, high = exact.vertices.min(axis=0), exact.vertices.max(axis=0)
-    coarse = _coarse(exact, low, high)
+    coarse, far = _coarse(exact, low, high)
     h = max(FINEST, 0.5 * sigma, _spacing_of(high - low, MOST_NODES, 2 * MARGIN + 4))
     reach = MARGIN + 1 + RIM
     counts = tuple((np.ceil((high - low) / h).astype(int) + 1 + 2 * reach).tolist())
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     values = coarse_values(coarse, origin, h, counts)
-    distances, near = _exact_next_to(exact, np.abs(values), BLENDED * h + 0.3 * coarse.spacing, origin, h)
+    distances, near = _exact_next_to(exact, np.abs(values), far, origin, h)
     exactly = _signs(exact, distances, origin, h).ravel()[near] * distances.ravel()[near]
     beyond = values.ravel()[near] - exactly
     outside = values.ravel()[near] > EXACT * h
@@ -127,7 +127,30 @@ def distance_field(exact: ExactDistance, sigma: float) -> DistanceField:
     return DistanceField(distance, lattice_of(smooth, origin, h), coarse, bounds, errors[0])
 
 
-def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
+class _Nodes(NamedTuple):
+    """Exact unsigned distances at nodes."""
+
+    distances: Array
+    """m, shape (nx, ny, nz)."""
+    origin: Array
+    spacing: float
+
+    def at_least(self, origin: Array, h: float, counts: tuple[int, ...]) -> Array:
+        """Return what the distances of nodes of another lattice are at least: those of the nearest nodes, less the way.
+
+        Args:
+            origin: of the first one, m, shape (3,).
+            h: spacing, m.
+            counts: of these nodes along each axis.
+        """
+        places = [(origin[axis] + h * np.arange(counts[axis]) - self.origin[axis]) / self.spacing for axis in range(3)]
+        nearest = [place.round().clip(0, count - 1) for place, count in zip(places, self.distances.shape, strict=True)]
+        x, y, z = ((place - node) ** 2 for place, node in zip(places, nearest, strict=True))
+        ways = np.sqrt(x[:, None, None] + y[:, None] + z)
+        return np.asarray(self.distances[np.ix_(*(node.astype(np.intp) for node in nearest))] - self.spacing * ways)
+
+
+def _coarse(exact: ExactDistance, low: Array, high: Array) -> tuple[Lattice, _Nodes]:
     size = high - low + 2.0 * AROUND
     h = _spacing_of(size, COARSE_NODES, 3)
     beyond = RIM - ASKED
@@ -135,27 +158,27 @@ def _coarse(exact: ExactDistance, low: Array, high: Array) -> Lattice:
     origin = 0.5 * (low + high) - 0.5 * h * (np.array(counts) - 1)
     distances = exact.unsigned(nodes(origin, h, counts)).reshape(counts)
     values = np.pad(_signs(exact, distances, origin, h) * distances, beyond, mode="reflect", reflect_type="odd")
-    return lattice_of(values, origin - beyond * h, h)
+    return lattice_of(values, origin - beyond * h, h), _Nodes(distances, origin, h)
 
 
 def _exact_next_to(
-    exact: ExactDistance, distances: Array, about: float, origin: Array, h: float
+    exact: ExactDistance, distances: Array, far: _Nodes, origin: Array, h: float
 ) -> tuple[Array, Indices]:
     """Return unsigned distances of the nodes of a lattice, exact next to the surface, and the numbers of these nodes.
 
     Args:
         exact: distances to the surface.
         distances: about those of the nodes, changed here, m, shape (nx, ny, nz).
-        about: what these are less than where a node may be next to the surface, m.
+        far: nodes that are farther apart.
         origin: of the first node, m, shape (3,).
         h: spacing, m.
     """
     counts, flat = distances.shape, distances.ravel()
-    known = np.full(distances[::2, ::2, ::2].shape, -np.inf)
-    asked = np.argwhere(distances[::2, ::2, ::2] < about)
+    known = far.at_least(origin, 2.0 * h, distances[::2, ::2, ::2].shape)
+    asked = np.argwhere(known < BLENDED * h)
     first = np.asarray(np.ravel_multi_index(tuple(2 * asked.T), counts))
     flat[first] = known[tuple(asked.T)] = exact.unsigned(some_nodes(origin, h, counts, first))
-    others = nodes_between(known, distances, about, BLENDED * h, h)
+    others = nodes_between(known, distances, BLENDED * h, h)
     flat[others] = exact.unsigned(some_nodes(origin, h, counts, others))
     return distances, np.concatenate([first, others])
 

@@ -23,15 +23,14 @@ def some_nodes(origin: Array, h: float, counts: tuple[int, int, int], which: Ind
 
 
 @compiled
-def nodes_between(known: Array, distances: Array, about: float, within: float, h: float) -> Indices:
+def nodes_between(known: Array, distances: Array, within: float, h: float) -> Indices:
     """Return the numbers of nodes that may be near the surface, but for every second one along each axis.
 
     A distance changes by no more than the way: every second node tells which of the others are not near.
 
     Args:
-        known: exact distances of every second node, minus infinity if it was not asked, m, shape (mx, my, mz).
+        known: what the distances of every second node are at least, m, shape (mx, my, mz).
         distances: about those of all nodes; raised to what they are at least; m, shape (nx, ny, nz).
-        about: what these are less than where a node may be near, m.
         within: distance of what is near, m.
         h: spacing, m.
     """
@@ -41,7 +40,7 @@ def nodes_between(known: Array, distances: Array, about: float, within: float, h
         for j in range(counts[1]):
             for k in range(counts[2]):
                 odd = i % 2 + j % 2 + k % 2
-                if odd == 0 or distances[i, j, k] >= about:
+                if odd == 0:
                     continue
                 away = _most_beside(known, i, j, k) - math.sqrt(odd) * h
                 if away >= within:
