@@ -35,16 +35,14 @@ def box_tree(low: Array, high: Array) -> BoxTree:
         low: low ends of their boxes, m, shape (n, 3), n a power of two.
         high: high ends, infinitely low where a leaf is empty.
     """
-    boxes, levels = np.concatenate([low, high], axis=1), list[Array]()
-    while True:
-        count = len(boxes)
-        if count < WIDE:
-            boxes = np.concatenate([np.tile(np.repeat([np.inf, -np.inf], 3), (WIDE - count, 1)), boxes])
-        parts = boxes.reshape(-1, WIDE, 6).transpose(0, 2, 1)
-        levels.append(parts)
-        if count <= WIDE:
-            return BoxTree(np.concatenate(levels[::-1]), count + 1 - WIDE)
-        boxes = np.concatenate([parts[:, :3].min(axis=2), parts[:, 3:].max(axis=2)], axis=1)
+    level, boxes = len(low), 1
+    while level > WIDE:
+        level //= WIDE
+        boxes += level
+    parts, shift = np.empty((boxes, 6, WIDE)), level + 1 - WIDE
+    parts[0, :3], parts[0, 3:] = np.inf, -np.inf
+    _put_together(parts, shift, low, high)
+    return BoxTree(parts, shift)
 
 
 def groups(points: Array) -> tuple[Indices, Indices]:
@@ -58,6 +56,30 @@ def groups(points: Array) -> tuple[Indices, Indices]:
 
 
 @compiled
+def _put_together(parts: Array, shift: int, low: Array, high: Array) -> None:
+    """Write the ends of leaves, and of the boxes around them, from the last one on."""
+    for number in range(len(parts) + len(low) - 1, 0, -1):
+        leaf, (box, j) = number - len(parts), divmod(number - shift, WIDE)
+        for axis in range(3):
+            if leaf >= 0:
+                parts[box, axis, j], parts[box, 3 + axis, j] = low[leaf, axis], high[leaf, axis]
+            else:
+                parts[box, axis, j], parts[box, 3 + axis, j] = parts[number, axis].min(), parts[number, 3 + axis].max()
+
+
+@compiled
+def box_ends(corners: Array) -> tuple[Array, Array]:
+    """Return the low and high ends of boxes around triangles, shape (n, 3, 3), m, shapes (n, 3)."""
+    low, high = corners[:, 0].copy(), corners[:, 0].copy()
+    for n in range(len(corners)):
+        for corner in range(1, 3):
+            for axis in range(3):
+                low[n, axis] = min(low[n, axis], corners[n, corner, axis])
+                high[n, axis] = max(high[n, axis], corners[n, corner, axis])
+    return low, high
+
+
+@compiled
 def _halved(points: Array, depth: int) -> tuple[Indices, Indices]:
     """Return the order of points in which every part of them is halved along its longest side, and the ends of parts.
 
@@ -65,7 +87,7 @@ def _halved(points: Array, depth: int) -> tuple[Indices, Indices]:
         points: shape (n, 3).
         depth: how often they are halved; the ends have the shape (2^depth + 1,).
     """
-    order, ends = np.arange(len(points)), np.empty((1 << depth) + 1, dtype=np.intp)
+    order, places, ends = np.arange(len(points)), points.T.copy(), np.empty((1 << depth) + 1, dtype=np.intp)
     ends[0], ends[1 << depth] = 0, len(points)
     step = 1 << depth
     while step > 1:
@@ -74,28 +96,33 @@ def _halved(points: Array, depth: int) -> tuple[Indices, Indices]:
             for axis in range(3):
                 low, high = np.inf, -np.inf
                 for k in range(first, last):
-                    low, high = min(low, points[order[k], axis]), max(high, points[order[k], axis])
+                    low, high = min(low, places[axis, k]), max(high, places[axis, k])
                 if high - low > longest:
                     widest, longest = axis, high - low
             ends[at + step // 2] = half = first + (last - first) // 2
-            _parted(points, widest, order, first, last - 1, half)
+            others = places[(widest + 1) % 3], places[(widest + 2) % 3]
+            _parted(places[widest], others, order, first, last - 1, half)
         step //= 2
     return order, ends
 
 
 @compiled
-def _parted(points: Array, axis: int, order: Indices, low: int, high: int, half: int) -> None:
-    """Put into a part of the order, from low to high, first those that are lowest along an axis, up to half."""
+def _parted(along: Array, others: tuple[Array, Array], order: Indices, low: int, high: int, half: int) -> None:
+    """Put in a part of some points, from low to high, first those that are lowest along an axis, up to half."""
+    one, other = others
     while low < high:
-        pivot = points[order[(low + high) // 2], axis]
+        pivot = along[(low + high) // 2]
         i, j = low, high
         while i <= j:
-            while points[order[i], axis] < pivot:
+            while along[i] < pivot:
                 i += 1
-            while points[order[j], axis] > pivot:
+            while along[j] > pivot:
                 j -= 1
             if i <= j:
                 order[i], order[j] = order[j], order[i]
+                along[i], along[j] = along[j], along[i]
+                one[i], one[j] = one[j], one[i]
+                other[i], other[j] = other[j], other[i]
                 i += 1
                 j -= 1
         if half <= j:

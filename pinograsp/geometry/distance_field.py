@@ -36,7 +36,7 @@ from .field_nodes import farthest_nodes, nodes_between, some_nodes
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 10
+VERSION = 11
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -83,7 +83,9 @@ def footprint_sigma(exact: ExactDistance) -> float:
         thick = np.ones(len(sizes), dtype=bool)
         for depth in (sigma, 2.0 * sigma):
             thick[thick] = exact.inside(((a + b + c) / 3.0 - depth * normals)[thick])
-        if sizes[thick].sum() >= THICK_SHARE * sizes.sum():
+            if sizes[thick].sum() < THICK_SHARE * sizes.sum():
+                break
+        else:
             return sigma
     return SIGMAS[-1]
 

@@ -27,11 +27,11 @@ def edges_of(faces: Integers) -> tuple[Integers, Integers, Integers, Integers]:
 
     Ends of edges are in order, shape (e, 2); sides go triangle by triangle, shape (3 f,); a direction is 1 or -1.
     """
-    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    ordered = np.sort(sides, axis=1)
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
     size = int(faces.max()) + 1
-    keys, edge, counts = np.unique(ordered[:, 0] * size + ordered[:, 1], return_inverse=True, return_counts=True)
-    return np.stack([keys // size, keys % size], axis=1), edge, np.where(sides[:, 0] < sides[:, 1], 1, -1), counts
+    sides = np.minimum(start, end) * size + np.maximum(start, end)
+    keys, edge, counts = np.unique(sides, return_inverse=True, return_counts=True)
+    return np.stack(np.divmod(keys, size), axis=1), edge, np.where(start < end, 1, -1), counts
 
 
 def parts_of(faces: Integers, count: int) -> Integers:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array, Indices, Integers
 from ..compiled import compiled, compiled_for_threads
-from .box_tree import box_tree, groups
+from .box_tree import box_ends, box_tree, groups
 from .in_threads import in_threads
 
 LONGEST = 1.0 / 20.0
@@ -42,11 +42,12 @@ def triangle_tree(vertices: Array, faces: Integers) -> TriangleTree:
         faces: shape (f, 3), f > 0.
     """
     corners, owners = pieces(vertices, faces)
-    grouped, _ = groups(corners.mean(axis=1))
-    corners = corners[grouped]
-    boxes = box_tree(corners.min(axis=(1, 2)), corners.max(axis=(1, 2)))
-    sides = np.ascontiguousarray(corners.reshape(*grouped.shape, 9).transpose(0, 2, 1))
-    return TriangleTree(boxes.parts, boxes.shift, sides, owners[grouped])
+    low, high = box_ends(corners)
+    grouped, _ = groups(0.5 * (low + high))
+    every = grouped.ravel()
+    boxes = box_tree(low[every], high[every])
+    sides = np.ascontiguousarray(corners[every].reshape(*grouped.shape, 9).transpose(0, 2, 1))
+    return TriangleTree(boxes.parts[: -len(grouped)], boxes.shift, sides, owners[grouped])
 
 
 def pieces(vertices: Array, faces: Integers) -> tuple[Array, Indices]:
@@ -60,23 +61,46 @@ def pieces(vertices: Array, faces: Integers) -> tuple[Array, Indices]:
         Corners, m, shape (n, 3, 3), and numbers of triangles, shape (n,).
     """
     longest = LONGEST * float(np.ptp(vertices, axis=0).max())
-    corners, owners = vertices[faces], np.arange(len(faces))
-    found, whose = [], []
-    while True:
-        sides = corners[:, (1, 2, 0)] - corners
-        squares = np.einsum("nij,nij->ni", sides, sides)
-        long = squares.max(axis=1) > longest * longest
-        found.append(corners[~long])
-        whose.append(owners[~long])
-        if not long.any():
-            return np.concatenate(found), np.concatenate(whose)
-        corners, owners, start = corners[long], owners[long], squares[long].argmax(axis=1)
-        rows, end = np.arange(len(corners)), (start + 1) % 3
-        middles = 0.5 * (corners[rows, start] + corners[rows, end])
-        first, second = corners.copy(), corners
-        first[rows, end] = middles
-        second[rows, start] = middles
-        corners, owners = np.concatenate([first, second]), np.concatenate([owners, owners])
+    corners, owners, count = _pieces(vertices, faces, longest * longest)
+    return corners[:count], owners[:count]
+
+
+@compiled
+def _pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, Indices, int]:
+    """Return pieces of triangles, with no edge whose square is longer, their triangles, and how many there are."""
+    corners, owners, count = np.empty((2 * len(faces), 3, 3)), np.empty(2 * len(faces), dtype=np.intp), 0
+    waiting = np.empty((_WAITING, 3, 3))
+    for n in range(len(faces)):
+        for corner in range(3):
+            waiting[0, corner] = vertices[faces[n, corner]]
+        left = 1
+        while left:
+            one = waiting[left - 1]
+            start, square = _longest_edge(one)
+            if square > longest:
+                other, end = waiting[left], (start + 1) % 3
+                other[:] = one
+                one[end] = other[start] = 0.5 * (one[start] + one[end])
+                left += 1
+                continue
+            if count == len(corners):
+                corners, owners = np.concatenate((corners, corners)), np.concatenate((owners, owners))
+            corners[count], owners[count] = one, n
+            count, left = count + 1, left - 1
+    return corners, owners, count
+
+
+@compiled
+def _longest_edge(corners: Array) -> tuple[int, float]:
+    """Return the corner of a triangle, shape (3, 3), at which its longest edge begins, and the square of that."""
+    start, most = 0, -1.0
+    for i in range(3):
+        j = (i + 1) % 3
+        x, y, z = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
+        square = _length(x, y, z)
+        if square > most:
+            start, most = i, square
+    return start, most
 
 
 def nearest(tree: TriangleTree, points: Array) -> tuple[Array, Indices]:

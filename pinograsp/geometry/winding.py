@@ -20,7 +20,7 @@ import numpy as np
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..compiled import compiled, compiled_for_threads
-from .box_tree import WIDE, box_tree, groups
+from .box_tree import WIDE, box_ends, box_tree, groups
 from .in_threads import in_threads
 from .mesh_parts import components, edges_of
 from .triangle_tree import pieces
@@ -66,37 +66,42 @@ class Winding:
     def _counted(self, points: Array, way: tuple[float, float]) -> tuple[Array, Mask]:
         """Return N of points, shape (n, 3), and whether that is sure, shapes (n,)."""
         counts, sure = np.zeros(len(points)), np.ones(len(points), dtype=bool)
-        vertices, faces = self._surface
+        seen, (vertices, faces) = _seen(points, way), self._surface
         if way not in self._trees and len(points) <= FEW:
-            _count_all(vertices[faces], way, points, counts, sure)
+            _count_all(_seen(vertices, way)[faces], seen, counts, sure)
             return counts, sure
         if way not in self._trees:
-            self._trees[way] = _way_tree(pieces(vertices, faces)[0], way)
-        in_threads(_count_below, self._trees[way], points, counts, sure)
+            self._trees[way] = _way_tree(_seen(pieces(vertices, faces)[0], way))
+        in_threads(_count_above, self._trees[way], seen, counts, sure)
         return counts, sure
 
 
+def _seen(points: Array, way: tuple[float, float]) -> Array:
+    """Return points, shape (..., 3), seen along a way: it leads along their third axis."""
+    seen = points.copy()
+    seen[..., 0] -= way[0] * points[..., 2]
+    seen[..., 1] -= way[1] * points[..., 2]
+    return seen
+
+
 class _WayTree(NamedTuple):
-    """Boxes around triangles, as `box_tree.BoxTree`, seen along a way: it leads along their third axis."""
+    """Boxes around triangles that are seen along a way, as `box_tree.BoxTree`."""
 
     parts: Array
     """m, shape (boxes, 6, 8)."""
     shift: int
     corners: Array
-    """Of the triangle that each leaf is, or which is never met, in the frame of the points, m, shape (leaves, 3, 3)."""
-    way: tuple[float, float]
+    """Of the triangle that each leaf is, or which is never met, m, shape (leaves, 3, 3)."""
 
 
-def _way_tree(corners: Array, way: tuple[float, float]) -> _WayTree:
+def _way_tree(corners: Array) -> _WayTree:
     """Return the tree of triangles, shape (n, 3, 3), m."""
-    seen = corners.copy()
-    seen[:, :, :2] -= corners[:, :, 2:] * way
-    low, high = seen.min(axis=1), seen.max(axis=1)
+    low, high = box_ends(corners)
     grouped, counts = groups(0.5 * (low + high))
     low, high, empty = low[grouped], high[grouped], np.arange(WIDE) >= counts[:, None]
     low[empty], high[empty] = np.inf, -np.inf
     boxes = box_tree(low.reshape(-1, 3), high.reshape(-1, 3))
-    return _WayTree(boxes.parts, boxes.shift, corners[grouped.ravel()], way)
+    return _WayTree(boxes.parts, boxes.shift, corners[grouped.ravel()])
 
 
 class _Caps:
@@ -131,68 +136,60 @@ class _Caps:
 
 
 @compiled
-def _count_all(corners: Array, way: tuple[float, float], points: Array, found: Array, sure: Mask) -> None:
+def _count_all(corners: Array, points: Array, found: Array, sure: Mask) -> None:
     """Add to N of points what all of some triangles make, shape (t, 3, 3), and write whether that is sure."""
-    along, across = way
     for n in range(len(points)):
-        z = points[n, 2]
-        x, y = points[n, 0] - along * z, points[n, 1] - across * z
         for k in range(len(corners)):
-            met, known = _met(corners, k, x, y, z, along, across)
+            met, known = _met(corners, k, points[n, 0], points[n, 1], points[n, 2])
             found[n] += met
             sure[n] &= known
 
 
 @compiled_for_threads
-def _count_below(tree: _WayTree, points: Array, found: Array, sure: Mask) -> None:
+def _count_above(tree: _WayTree, points: Array, found: Array, sure: Mask) -> None:
     """Do as `_count_all` does, with a tree."""
-    parts, corners, boxes, (along, across) = tree.parts, tree.corners, len(tree.parts), tree.way
-    waiting, within = np.empty(_WAITING, dtype=np.intp), np.empty(8)
+    parts, shift, corners, boxes = tree.parts, tree.shift, tree.corners, len(tree.parts)
+    waiting, above = np.empty(_WAITING, dtype=np.intp), np.empty(8)
     for n in range(len(points)):
-        z, size = points[n, 2], abs(points[n, 0]) + abs(points[n, 1]) + abs(points[n, 2])
-        x, y = points[n, 0] - along * z, points[n, 1] - across * z
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
         waiting[0], count = 0, 1
         while count:
             count -= 1
             box = waiting[count]
-            _below(parts[box], x, y, z, size, within)
-            first = 8 * box + tree.shift
+            if box >= boxes:
+                met, known = _met(corners, box - boxes, x, y, z)
+                found[n] += met
+                sure[n] &= known
+                continue
+            _above(parts[box], x, y, z, above)
             for j in range(8):
-                if within[j] == 0.0:
-                    continue
-                if first + j < boxes:
-                    waiting[count] = first + j
-                    count += 1
-                else:
-                    met, known = _met(corners, first + j - boxes, x, y, z, along, across)
-                    found[n] += met
-                    sure[n] &= known
+                waiting[count] = 8 * box + j + shift
+                count += int(above[j])  # where it is 0, the next one comes to this place
 
 
 @compiled
-def _below(ends: Array, x: float, y: float, z: float, size: float, within: Array) -> None:
+def _above(boxes: Array, x: float, y: float, z: float, above: Array) -> None:
     """Write 1 for each of some boxes, shape (6, n), that a point is in or below, and else 0.
 
-    What rounding makes of a size, m, does not count. The number of boxes is asked for, although it is known: with a
-    number that it knows, the compiler makes no use of instructions for several at once.
+    The number of boxes is asked for, although it is known: with a number that it knows, the compiler makes no use of
+    instructions for several at once.
     """
-    for j in range(ends.shape[1]):
-        slack = _SLACK * (size + ends[5, j] - z)
-        inside = (z <= ends[5, j]) & (x >= ends[0, j] - slack) & (x <= ends[3, j] + slack)
-        within[j] = 1.0 if inside & (y >= ends[1, j] - slack) & (y <= ends[4, j] + slack) else 0.0
+    size = abs(x) + abs(y) + abs(z)
+    for j in range(boxes.shape[1]):
+        slack = _SLACK * (size + boxes[5, j] - z)
+        along = (x >= boxes[0, j] - slack) & (x <= boxes[3, j] + slack)
+        across = (y >= boxes[1, j] - slack) & (y <= boxes[4, j] + slack)
+        above[j] = 1.0 if (z <= boxes[5, j]) & along & across else 0.0
 
 
 @compiled
-def _met(corners: Array, k: int, x: float, y: float, z: float, along: float, across: float) -> tuple[float, bool]:
-    """Return 1 or -1 if the way up from a point meets a triangle, 0 if it does not, and whether that is sure.
-
-    The place (x, y) is that where the way meets the plane of the first two axes.
-    """
-    ab, one = _beside(corners, k, 0, 1, x, y, along, across)
-    bc, two = _beside(corners, k, 1, 2, x, y, along, across)
+def _met(corners: Array, k: int, x: float, y: float, z: float) -> tuple[float, bool]:
+    """Return 1 or -1 if the way up from a point meets a triangle, 0 if it does not, and whether that is sure."""
+    ab, one = _beside(corners, k, 0, 1, x, y)
+    bc, two = _beside(corners, k, 1, 2, x, y)
     if one * two < 0.0:
         return 0.0, True
-    ca, three = _beside(corners, k, 2, 0, x, y, along, across)
+    ca, three = _beside(corners, k, 2, 0, x, y)
     if one * three < 0.0 or two * three < 0.0:
         return 0.0, True
     if one == 0.0 or two == 0.0 or three == 0.0:
@@ -202,21 +199,13 @@ def _met(corners: Array, k: int, x: float, y: float, z: float, along: float, acr
 
 
 @compiled
-def _beside(
-    corners: Array, k: int, start: int, end: int, x: float, y: float, along: float, across: float
-) -> tuple[float, float]:
+def _beside(corners: Array, k: int, start: int, end: int, x: float, y: float) -> tuple[float, float]:
     """Return twice the area of an edge and a point, seen along the way, and its sign: 0 where that is not sure."""
-    sign = 1.0
-    for axis in range(3):
-        if corners[k, start, axis] != corners[k, end, axis]:
-            if corners[k, start, axis] > corners[k, end, axis]:
-                start, end, sign = end, start, -1.0
-            break
-    a, b = (
-        corners[k, start, 0] - along * corners[k, start, 2] - x,
-        corners[k, start, 1] - across * corners[k, start, 2] - y,
-    )
-    c, d = corners[k, end, 0] - along * corners[k, end, 2] - x, corners[k, end, 1] - across * corners[k, end, 2] - y
+    sign, apart = 1.0, corners[k, start, 0] - corners[k, end, 0]
+    if apart > 0.0 or (apart == 0.0 and corners[k, start, 1] > corners[k, end, 1]):
+        start, end, sign = end, start, -1.0
+    a, b = corners[k, start, 0] - x, corners[k, start, 1] - y
+    c, d = corners[k, end, 0] - x, corners[k, end, 1] - y
     area, sizes = a * d - b * c, abs(a) + abs(b) + abs(c) + abs(d)
     if abs(area) <= _ROUNDING * sizes * (sizes + abs(x) + abs(y)):
         return 0.0, 0.0
