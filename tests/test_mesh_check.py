@@ -185,6 +185,15 @@ def test_triangles_that_others_cross_are_found() -> None:
     np.testing.assert_array_equal(crossed(fan, np.array([[0, 1, 2], [0, 3, 4], [0, 5, 6]])), [True, True, False])
 
 
+@pytest.mark.parametrize("rounding", [0.0, 1e-12, -1e-12])
+def test_what_touches_a_triangle_crosses_it_though_it_has_a_corner_of_it(rounding: float) -> None:
+    """One that stands on it, on its edge, or across it, up to rounding; not one that stands beside it."""
+    flat, up = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0.3, 0.3, 1.0]
+    for foot, touches in (([0.3, 0.3], True), ([0.4, 0.0], True), ([0.4, -1e-5], False), ([0.6, 0.6], True), ([-0.3, 0.2], False)):
+        vertices = np.array([*flat, [*foot, rounding], up])
+        assert crossed(vertices, np.array([[0, 1, 2], [0, 3, 4]])).tolist() == [touches] * 2
+
+
 def test_what_lies_on_triangles_does_not_cross_them() -> None:
     """A triangle on another one, one that stands on both, and a block that stands on a plate, or all but does."""
     T = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])

@@ -22,8 +22,6 @@ from ..compiled import compiled
 
 LAYER = 1e-7
 """Distance from a triangle within which other ones lie on it or touch it, m."""
-_BESIDE = 1e-9
-"""Share of a triangle beside it that counts as on it."""
 _PARALLEL = 1e-9
 """Length of the cross product of directions below which it has none."""
 _CLEAR = 2.0
@@ -142,23 +140,18 @@ def _parted(first: Array, second: Array, along: Array) -> bool:
 
 @compiled
 def _pierced(triangle: Array, normal: Array, other: Array, common: int) -> bool:
-    """Whether a triangle is met by the edge, opposite a common corner, of another one that does not lie on it."""
+    """Whether a triangle is met by the edge, opposite a common corner, of another one that does not lie on it.
+
+    What comes within `LAYER` of it meets it: on which side of it an end that touches it is, is a matter of rounding.
+    """
     start, end = other[(common + 1) % 3], other[(common + 2) % 3]
     first, second = _height(triangle, normal, start), _height(triangle, normal, end)
-    if first * second > 0.0 or (abs(first) <= LAYER and abs(second) <= LAYER):
+    if min(abs(first), abs(second)) > LAYER and first * second > 0.0:
         return False
-    place = start + first / (first - second) * (end - start)
-    for k in range(3):
-        edge = triangle[(k + 1) % 3] - triangle[k]
-        inward, away = 0.0, 0.0
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            sideways = normal[b] * edge[c] - normal[c] * edge[b]
-            inward += sideways * (triangle[(k + 2) % 3, a] - triangle[k, a])
-            away += sideways * (place[a] - triangle[k, a])
-        if away <= -_BESIDE * inward:
-            return False
-    return True
+    if max(abs(first), abs(second)) <= LAYER:
+        return False
+    edge = np.stack((start, end, end))
+    return not _apart(triangle, normal, edge, _cross(normal, end - start))
 
 
 def barycentric(points: Array, a: Array, b: Array, c: Array) -> Array:

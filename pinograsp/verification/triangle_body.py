@@ -50,14 +50,14 @@ REACH = 4.0
 """Of the lattice of the footprint normal, in sigma."""
 TURN = (0.5, 0.3, 0.7)
 """Axis of the lattice's turn, times its angle, rad; no special one."""
-VERSION = 3
+VERSION = 4
 """Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
 BESIDE = 1e-6
 """How far beside a piece it is asked whether there is an outside, m."""
-ALONE = 0.85 * BESIDE
-"""How far everything is from a place beside a piece that tells of it, at least, m: more than `LAYER` less than it."""
+ALONE = 0.999 * BESIDE
+"""How far everything is from a place beside a piece that tells of it, at least, m: nothing is between the two."""
 PLACES = 4
 """Along an edge, at which it is asked where a piece that others cross has none at its middle."""
 PIECE, PIECES = 0.005, 30
