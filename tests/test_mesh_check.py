@@ -27,13 +27,15 @@ from pinograsp.errors import FileError
 from pinograsp.verification import Certificate
 from pinograsp.verification.check import Verifier
 from pinograsp.verification.claim import Claim
+from pinograsp.verification.crossings import Crossings, crossings_of
 from pinograsp.verification.forces import balance_figures
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
+from pinograsp.verification.openings import Openings
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
 from pinograsp.verification.patches import heights, nearest_on_patch
 from pinograsp.verification.pieces import in_pieces
-from pinograsp.verification.plain_faces import crossed
+from pinograsp.verification.plain_faces import Triangles
 from pinograsp.verification.region_depth import least_depth
 from pinograsp.verification.rubber import PadLink
 from pinograsp.verification.shapes import PlacedShape
@@ -168,6 +170,15 @@ def test_points_are_inside_where_the_surface_goes_around_them(kind: str) -> None
     np.testing.assert_array_equal((apart < 0.0)[told], body.contains(points)[told])
 
 
+def crossings(vertices: Any, faces: Any) -> Crossings:
+    of = Triangles(vertices, faces)
+    return crossings_of(vertices, faces, of.normals, of.middles[:, None].repeat(2, axis=1), 1e-6)[0]
+
+
+def crossed(vertices: Any, faces: Any) -> NDArray[np.bool_]:
+    return crossings(vertices, faces).crossed
+
+
 def test_triangles_that_others_cross_are_found() -> None:
     box = trimesh.creation.box(extents=[1.0, 1.0, 1.0])
     assert not crossed(*arrays(box)).any()
@@ -189,9 +200,33 @@ def test_triangles_that_others_cross_are_found() -> None:
 def test_what_touches_a_triangle_crosses_it_though_it_has_a_corner_of_it(rounding: float) -> None:
     """One that stands on it, on its edge, or across it, up to rounding; not one that stands beside it."""
     flat, up = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0.3, 0.3, 1.0]
-    for foot, touches in (([0.3, 0.3], True), ([0.4, 0.0], True), ([0.4, -1e-5], False), ([0.6, 0.6], True), ([-0.3, 0.2], False)):
+    feet = [([0.3, 0.3], True), ([0.4, 0.0], True), ([0.6, 0.6], True), ([0.4, -1e-5], False), ([-0.3, 0.2], False)]
+    for foot, touches in feet:
         vertices = np.array([*flat, [*foot, rounding], up])
         assert crossed(vertices, np.array([[0, 1, 2], [0, 3, 4]])).tolist() == [touches] * 2
+
+
+def test_ways_on_a_triangle_are_free_but_for_what_crosses_it() -> None:
+    """A blade across a triangle, from x = 0.5 on: ways in front of it, beside it, and through it."""
+    flat, blade = [[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0.5, 1, -1], [9, 1, -1], [0.5, 1, 5]]
+    of = crossings(np.array(flat + blade, dtype=float), np.array([[0, 1, 2], [3, 4, 5]]))
+    ends = np.array([[[1, 0.9, 0], [2, 0.1, 0]], [[0.4, 0.5, 0], [0.4, 2, 0]], [[0.6, 0.5, 0], [0.6, 2, 0]]])
+    np.testing.assert_array_equal(of.free(np.zeros(3, dtype=np.intp), ends[:, 0], ends[:, 1]), [True, True, False])
+    assert of.others.tolist() == [1, 0]
+
+
+def test_winding_numbers_are_doubtful_near_openings_and_between_several() -> None:
+    """A round opening of radius 1 is a quarter of all that is seen at 2 / sqrt(3) radii; two add up."""
+    ring = np.exp(2j * math.pi * np.arange(60) / 60)
+    rim = np.column_stack([ring.real, ring.imag, np.zeros(60)])
+    dome = np.column_stack([np.arange(60), np.roll(np.arange(60), -1), np.full(60, 60)])
+    one = np.vstack([rim, [0, 0, -1]])
+    heights, none = np.array([[0, 0, 1.1], [0, 0, 1.2]]), np.zeros(2)
+    assert Openings(one, dome).near(heights, none).tolist() == [True, False]
+    assert Openings(one, dome).near(heights, none + 0.1).tolist() == [True, True]
+    other = one * [1, 1, -1] + [0, 0, 2.4]
+    both = Openings(np.vstack([one, other]), np.vstack([dome, dome[:, ::-1] + 61]))
+    assert both.near(np.array([[0, 0, 1.2], [0, 0, -3.0]]), none).tolist() == [True, False]
 
 
 def test_what_lies_on_triangles_does_not_cross_them() -> None:
