@@ -29,6 +29,7 @@ from pinograsp.verification.check import Verifier
 from pinograsp.verification.claim import Claim
 from pinograsp.verification.crossings import Crossings, crossings_of
 from pinograsp.verification.forces import balance_figures
+from pinograsp.verification.free_balls import sides
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
 from pinograsp.verification.openings import Openings
@@ -204,6 +205,39 @@ def test_what_touches_a_triangle_crosses_it_though_it_has_a_corner_of_it(roundin
     for foot, touches in feet:
         vertices = np.array([*flat, [*foot, rounding], up])
         assert crossed(vertices, np.array([[0, 1, 2], [0, 3, 4]])).tolist() == [touches] * 2
+
+
+def test_one_answer_tells_of_all_points_whose_balls_overlap() -> None:
+    """Points in and around a ball, none of them told: of 4,000 few are asked; near a large hole most."""
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
+    points = 0.002 * np.stack(np.meshgrid(*[np.arange(-8, 9)] * 3), axis=-1).reshape(-1, 3)
+    radii = np.abs(np.linalg.norm(points, axis=1) - 0.02)
+    points, none = points[radii > 0.0012], np.zeros(np.count_nonzero(radii > 0.0012), dtype=bool)
+    inside = np.linalg.norm(points, axis=1) < 0.02
+    radii = np.abs(trimesh.proximity.signed_distance(mesh, points))
+    asked: list[int] = []
+
+    def contains(some: NDArray[np.float64]) -> NDArray[np.bool_]:
+        asked.append(len(some))
+        return np.linalg.norm(some, axis=1) < 0.02
+
+    closed = Openings(*arrays(mesh))
+    np.testing.assert_array_equal(sides(points, radii, none, none, closed, contains), inside)
+    assert 2 <= asked[0] <= 10
+    mesh.update_faces(mesh.triangles_center[:, 2] < 0.0)
+    np.testing.assert_array_equal(sides(points, radii, none, none, Openings(*arrays(mesh)), contains), inside)
+    assert asked[1] > 1000
+
+
+def test_distances_that_do_not_count_are_not_told_too_small() -> None:
+    """Two balls that overlap, so that some triangles are inside: what is below a limit is as it is without one."""
+    parts = [trimesh.creation.icosphere(subdivisions=3, radius=0.02) for _ in range(2)]
+    body = body_of(trimesh.util.concatenate([parts[0], parts[1].apply_translation([0.015, 0.0, 0.0])]))
+    points = np.random.default_rng(0).uniform([-0.025, -0.025, -0.025], [0.04, 0.025, 0.025], (3000, 3))
+    exact = body.distances(points)
+    for below in (-0.01, -0.001, 0.0, 0.002):
+        found = body.distances(points, below)
+        np.testing.assert_array_equal(np.minimum(found, below), np.minimum(exact, below))
 
 
 def test_ways_on_a_triangle_are_free_but_for_what_crosses_it() -> None:
@@ -409,7 +443,7 @@ def test_rubber_and_backing_of_a_round_tip() -> None:
     assert inside.max() < 0.008 + 1e-9
     [skin] = link.skins
     assert np.abs(np.linalg.norm(skin.fine - [0.01, 0.0, 0.0], axis=1) - 0.01).max() < 2e-3
-    plane = skin.least(lambda points: 0.0098 - points[:, 2])
+    plane = skin.least(lambda points, _: 0.0098 - points[:, 2])
     assert plane == pytest.approx(-2e-4, abs=1e-6)
 
 

@@ -42,6 +42,7 @@ from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
+from .free_balls import sides
 from .looks import seen
 from .openings import Openings
 from .pieces import in_pieces
@@ -89,12 +90,12 @@ class TriangleBody:
         self._whole = _Tree(vertices, pieces)
         self._winding = igl.FastWindingNumberBVH()
         self._winding.init(vertices, pieces)
-        triangles, openings = Triangles(vertices, pieces), Openings(self.vertices, self._around)
+        self._openings, triangles = Openings(self.vertices, self._around), Triangles(vertices, pieces)
 
         def look() -> Mapping[str, Any]:
-            return seen(triangles, openings, lambda points: self._whole.nearest(points)[0], self.contains)
+            return seen(triangles, self._openings, lambda points: self._whole.nearest(points)[0], self.contains)
 
-        self._sides = Sides(triangles, openings, kept("bodies", self._key(), look, dict, dict))
+        self._sides = Sides(triangles, self._openings, kept("bodies", self._key(), look, dict, dict))
         bounding = self._sides.bounding
         self.faces = np.ascontiguousarray(self._around[np.unique(owners[bounding])])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
@@ -108,14 +109,18 @@ class TriangleBody:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
         return np.asarray(self._winding.winding_number(np.ascontiguousarray(points)) > 0.5)
 
-    def distances(self, points: Array) -> Array:
+    def distances(self, points: Array, below: float = math.inf) -> Array:
         """Signed distances of points, shape (n, 3), negative inside, shape (n,).
 
-        From outside all triangles count; from inside, those that bound the body.
+        From outside all triangles count; from inside, those that bound the body. Points that cannot be so deep inside
+        that their distance is less than `below` (m) may come as if they were outside.
         """
         points = np.ascontiguousarray(points)
         found, numbers, feet = self._whole.nearest(points)
-        inside = self._inside(points, numbers, feet)
+        inside = np.zeros(len(points), dtype=bool)
+        deep = np.flatnonzero((-found < below) | ~self._sides.bounding[numbers])
+        told, side = self._sides.told(points[deep], numbers[deep], feet[deep])
+        inside[deep] = sides(points[deep], found[deep], told, side, self._openings, self.contains)
         found[inside] *= -1.0
         hidden = inside & ~self._sides.bounding[numbers]
         found[hidden] = -self._skin.nearest(points[hidden])[0]
