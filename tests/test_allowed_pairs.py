@@ -34,7 +34,7 @@ def solver_pairs(robot: Robot, scene: Scene, task: str) -> Pairs:
 def verified_pairs(robot: Robot, scene: Scene, task: str) -> tuple[Pairs, Pairs]:
     """Pairs that must keep the margin, and those that must not touch."""
     verifier = Verifier(robot.description, scene, task)
-    lists = (verifier._enabled, verifier._never)
+    lists = (verifier._clearances.enabled, verifier._clearances.never)
     return tuple({pair(a.link, b.link) for a, b in pairs} for pairs in lists)  # type: ignore[return-value]
 
 

@@ -480,7 +480,7 @@ def test_adjacent_links_without_srdf_and_pairs_with_one(write: Write, make_toy_s
     def pairs(**attach: dict[str, Any]) -> tuple[set[frozenset[str]], set[frozenset[str]]]:
         numbered = {int(key[1:]): value for key, value in attach.items()}
         verifier = Verifier(load_robot_description(write(attach=numbered)), ball, "ball")
-        return names(verifier._enabled), names(verifier._never)
+        return names(verifier._clearances.enabled), names(verifier._clearances.never)
 
     def names(pairs: list[Any]) -> set[frozenset[str]]:
         return {frozenset((a.link, b.link)) for a, b in pairs}

@@ -27,13 +27,16 @@ from pinograsp.errors import FileError
 from pinograsp.verification import Certificate
 from pinograsp.verification.check import Verifier
 from pinograsp.verification.claim import Claim
+from pinograsp.verification.crossings import Crossings, crossings_of
 from pinograsp.verification.forces import balance_figures
+from pinograsp.verification.free_balls import sides
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
+from pinograsp.verification.openings import Openings
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
 from pinograsp.verification.patches import heights, nearest_on_patch
 from pinograsp.verification.pieces import in_pieces
-from pinograsp.verification.plain_faces import crossed
+from pinograsp.verification.plain_faces import Triangles
 from pinograsp.verification.region_depth import least_depth
 from pinograsp.verification.rubber import PadLink
 from pinograsp.verification.shapes import PlacedShape
@@ -168,6 +171,15 @@ def test_points_are_inside_where_the_surface_goes_around_them(kind: str) -> None
     np.testing.assert_array_equal((apart < 0.0)[told], body.contains(points)[told])
 
 
+def crossings(vertices: Any, faces: Any) -> Crossings:
+    of = Triangles(vertices, faces)
+    return crossings_of(vertices, faces, of.normals, of.middles[:, None].repeat(2, axis=1), 1e-6)[0]
+
+
+def crossed(vertices: Any, faces: Any) -> NDArray[np.bool_]:
+    return crossings(vertices, faces).crossed
+
+
 def test_triangles_that_others_cross_are_found() -> None:
     box = trimesh.creation.box(extents=[1.0, 1.0, 1.0])
     assert not crossed(*arrays(box)).any()
@@ -183,6 +195,72 @@ def test_triangles_that_others_cross_are_found() -> None:
         [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.6, 0.2, -0.5], [0.2, 0.3, 0.5], [-1, 0, 0], [0, -1, 0]], dtype=float
     )
     np.testing.assert_array_equal(crossed(fan, np.array([[0, 1, 2], [0, 3, 4], [0, 5, 6]])), [True, True, False])
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-12, -1e-12])
+def test_what_touches_a_triangle_crosses_it_though_it_has_a_corner_of_it(rounding: float) -> None:
+    """One that stands on it, on its edge, or across it, up to rounding; not one that stands beside it."""
+    flat, up = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0.3, 0.3, 1.0]
+    feet = [([0.3, 0.3], True), ([0.4, 0.0], True), ([0.6, 0.6], True), ([0.4, -1e-5], False), ([-0.3, 0.2], False)]
+    for foot, touches in feet:
+        vertices = np.array([*flat, [*foot, rounding], up])
+        assert crossed(vertices, np.array([[0, 1, 2], [0, 3, 4]])).tolist() == [touches] * 2
+
+
+def test_one_answer_tells_of_all_points_whose_balls_overlap() -> None:
+    """Points in and around a ball, none of them told: of 4,000 few are asked; near a large hole most."""
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.02)
+    points = 0.002 * np.stack(np.meshgrid(*[np.arange(-8, 9)] * 3), axis=-1).reshape(-1, 3)
+    radii = np.abs(np.linalg.norm(points, axis=1) - 0.02)
+    points, none = points[radii > 0.0012], np.zeros(np.count_nonzero(radii > 0.0012), dtype=bool)
+    inside = np.linalg.norm(points, axis=1) < 0.02
+    radii = np.abs(trimesh.proximity.signed_distance(mesh, points))
+    asked: list[int] = []
+
+    def contains(some: NDArray[np.float64]) -> NDArray[np.bool_]:
+        asked.append(len(some))
+        return np.linalg.norm(some, axis=1) < 0.02
+
+    closed = Openings(*arrays(mesh))
+    np.testing.assert_array_equal(sides(points, radii, none, none, closed, contains), inside)
+    assert 2 <= asked[0] <= 10
+    mesh.update_faces(mesh.triangles_center[:, 2] < 0.0)
+    np.testing.assert_array_equal(sides(points, radii, none, none, Openings(*arrays(mesh)), contains), inside)
+    assert asked[1] > 1000
+
+
+def test_distances_that_do_not_count_are_not_told_too_small() -> None:
+    """Two balls that overlap, so that some triangles are inside: what is below a limit is as it is without one."""
+    parts = [trimesh.creation.icosphere(subdivisions=3, radius=0.02) for _ in range(2)]
+    body = body_of(trimesh.util.concatenate([parts[0], parts[1].apply_translation([0.015, 0.0, 0.0])]))
+    points = np.random.default_rng(0).uniform([-0.025, -0.025, -0.025], [0.04, 0.025, 0.025], (3000, 3))
+    exact = body.distances(points)
+    for below in (-0.01, -0.001, 0.0, 0.002):
+        found = body.distances(points, below)
+        np.testing.assert_array_equal(np.minimum(found, below), np.minimum(exact, below))
+
+
+def test_ways_on_a_triangle_are_free_but_for_what_crosses_it() -> None:
+    """A blade across a triangle, from x = 0.5 on: ways in front of it, beside it, and through it."""
+    flat, blade = [[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0.5, 1, -1], [9, 1, -1], [0.5, 1, 5]]
+    of = crossings(np.array(flat + blade, dtype=float), np.array([[0, 1, 2], [3, 4, 5]]))
+    ends = np.array([[[1, 0.9, 0], [2, 0.1, 0]], [[0.4, 0.5, 0], [0.4, 2, 0]], [[0.6, 0.5, 0], [0.6, 2, 0]]])
+    np.testing.assert_array_equal(of.free(np.zeros(3, dtype=np.intp), ends[:, 0], ends[:, 1]), [True, True, False])
+    assert of.others.tolist() == [1, 0]
+
+
+def test_winding_numbers_are_doubtful_near_openings_and_between_several() -> None:
+    """A round opening of radius 1 is a quarter of all that is seen at 2 / sqrt(3) radii; two add up."""
+    ring = np.exp(2j * math.pi * np.arange(60) / 60)
+    rim = np.column_stack([ring.real, ring.imag, np.zeros(60)])
+    dome = np.column_stack([np.arange(60), np.roll(np.arange(60), -1), np.full(60, 60)])
+    one = np.vstack([rim, [0, 0, -1]])
+    heights, none = np.array([[0, 0, 1.1], [0, 0, 1.2]]), np.zeros(2)
+    assert Openings(one, dome).near(heights, none).tolist() == [True, False]
+    assert Openings(one, dome).near(heights, none + 0.1).tolist() == [True, True]
+    other = one * [1, 1, -1] + [0, 0, 2.4]
+    both = Openings(np.vstack([one, other]), np.vstack([dome, dome[:, ::-1] + 61]))
+    assert both.near(np.array([[0, 0, 1.2], [0, 0, -3.0]]), none).tolist() == [True, False]
 
 
 def test_what_lies_on_triangles_does_not_cross_them() -> None:
@@ -365,7 +443,7 @@ def test_rubber_and_backing_of_a_round_tip() -> None:
     assert inside.max() < 0.008 + 1e-9
     [skin] = link.skins
     assert np.abs(np.linalg.norm(skin.fine - [0.01, 0.0, 0.0], axis=1) - 0.01).max() < 2e-3
-    plane = skin.least(lambda points: 0.0098 - points[:, 2])
+    plane = skin.least(lambda points, _: 0.0098 - points[:, 2])
     assert plane == pytest.approx(-2e-4, abs=1e-6)
 
 

@@ -8,8 +8,11 @@ import pytest
 import trimesh
 from meshes import ball, box
 
+from pinograsp.arrays import Array, Indices, Mask
 from pinograsp.geometry.mesh_sides import OFF, OuterSides
-from pinograsp.verification.plain_faces import neighbours, one_for_all
+from pinograsp.verification.crossings import crossings_of
+from pinograsp.verification.looks import ALONE, linked, one_for_all
+from pinograsp.verification.plain_faces import Triangles
 
 
 def _sides(mesh: trimesh.Trimesh) -> OuterSides:
@@ -58,7 +61,7 @@ def test_one_piece_tells_of_those_that_hang_together() -> None:
     faces = np.array(both.faces)
     faces[7] = faces[7, ::-1]
     sizes = both.area_faces
-    told, teller = one_for_all(faces, neighbours(faces), np.ones(len(faces), dtype=bool), sizes)
+    told, teller = tellers(Triangles(np.array(both.vertices), faces), np.ones(len(faces), dtype=bool), sizes)
     rest, last = np.delete(np.arange(len(one.faces)), 7), np.arange(len(one.faces), len(faces))
     assert len(told) == 3
     for group in (rest, last, np.array([7])):
@@ -67,12 +70,16 @@ def test_one_piece_tells_of_those_that_hang_together() -> None:
         assert sizes[told[number]] == sizes[group].max()
 
 
-def test_what_is_not_plain_tells_of_itself_alone() -> None:
+def test_what_is_not_clear_tells_of_itself_alone() -> None:
     mesh = ball(0.03, subdivisions=1)
-    plain = np.ones(len(mesh.faces), dtype=bool)
-    plain[[3, 4]] = False
-    faces = np.array(mesh.faces)
-    told, teller = one_for_all(faces, neighbours(faces), plain, mesh.area_faces)
+    clear = np.ones(len(mesh.faces), dtype=bool)
+    clear[[3, 4]] = False
+    told, teller = tellers(Triangles(np.array(mesh.vertices), np.array(mesh.faces)), clear, mesh.area_faces)
     assert told[teller[3]] == 3
     assert told[teller[4]] == 4
-    assert len(np.unique(teller[plain])) < 4
+    assert len(np.unique(teller[clear])) < 4
+
+
+def tellers(of: Triangles, clear: Mask, sizes: Array) -> tuple[Indices, Indices]:
+    crossings = crossings_of(of.vertices, of.faces, of.normals, of.middles[:, None].repeat(2, axis=1), ALONE)[0]
+    return one_for_all(of.beside, linked(of, crossings, clear, of.middles), sizes)

@@ -437,7 +437,7 @@ def test_self_collision_agrees_with_brute_force(robot: RobotDescription, verifie
     model = pin.buildModelFromUrdf(str(robot.urdf_file))
     folders = [str(folder) for folder in robot.folders]
     geometry = pin.buildGeomFromUrdf(model, str(robot.urdf_file), pin.COLLISION, package_dirs=folders)
-    for a, b in verifier._enabled + verifier._never:
+    for a, b in verifier._clearances.enabled + verifier._clearances.never:
         ids = [geometry.getGeometryId(f"{mesh.link}_0") for mesh in (a, b)]
         geometry.addCollisionPair(pin.CollisionPair(*ids))
     data, geometry_data = model.createData(), geometry.createData()
@@ -475,9 +475,9 @@ def test_without_srdf_adjacent_links_are_left_out(robot: RobotDescription) -> No
     bare = Verifier(
         RobotDescription.model_validate(robot.model_dump() | {"srdf": None}), load_scene("glovebox"), "sphere"
     )
-    pairs = {frozenset((a.link, b.link)) for a, b in bare._enabled}
+    pairs = {frozenset((a.link, b.link)) for a, b in bare._clearances.enabled}
     assert all(
-        any("robotiq" in mesh.link for mesh in pair) for pair in bare._never
+        any("robotiq" in mesh.link for mesh in pair) for pair in bare._clearances.never
     )  # of the hand, see test_without_srdf
     assert frozenset(("shoulder_link", "half_arm_1_link")) not in pairs  # one joint
     assert frozenset(("bracelet_link", "robotiq_85_base_link")) not in pairs  # one body

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -15,25 +15,20 @@ from ..descriptions import RobotDescription, Scene, robot_for
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
 from .certificate import Certificate, Figure, PairClearance
 from .claim import Claim
-from .clearance import Placed, Surroundings, enclosure_figure, self_figure, shape_figure
-from .contacts import Pads, contact_figures, footprint_figure, footprints, region_figure, rim_figures
+from .clearance import Placed
+from .clearances import Clearances
+from .contacts import Pads, contact_figures, footprint_figure, footprints, known_normals, region_figure, rim_figures
 from .derived import Derived
 from .force_cost import force_cost
 from .forces import balance_figures, force_figures
 from .jacobians import manipulability_figure, rate_of_twist
 from .joints import limits_figure, mimic_figure, reserve_figure
 from .kinematics import Kinematics, Poses
-from .pair_clearances import link_clearances, shape_clearances, wall_clearances
 from .preferences import approach_figure, ranges_figure
 from .resistance import Hold, drive_torques, hold_of, is_graded, resistance_figures, with_resistance
 from .robot import read_robot
-from .rubber import pad_links, rubber_clearances, rubber_figure
 from .shapes import PlacedShape
-from .shapes.core import PENETRATION
-from .standing_out import standing_out
 from .synergies import Synergies
-
-_LARGEST = 1e9  # numbers beyond it, in any unit, are no part of a grasp
 
 
 class Described(Protocol):
@@ -67,10 +62,8 @@ class Verifier:
         self._task = scene.task(task_name)
         self._contact_region = scene.region_of(self._task)
         self._pads = robot_for(description, scene, task_name).pads
-        self._walls = scene.enclosure.walls
         self._kinematics = read.kinematics.mounted(scene.mounting.matrix)
         _require_ranges_known(scene, task_name, self._kinematics, read.synergies)
-        self._enabled, self._never = read.pairs(self._task.margin.robot)
         body = scene.objects[self._task.object]
         self._wrench, self._mass = scene.wrench_of(self._task).vector, scene.mass_of(self._task)
         if self._task.withstand is not None and self._mass is None:
@@ -83,14 +76,7 @@ class Verifier:
         self._center_of_mass = body.center_of_mass_world if computed is None else computed
         self._radius = self._target.radius_about(self._center_of_mass)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
-        of_pads = {pad.link for pad in self._pads}
-        beside = standing_out(read, tuple((pad.link, pad.patch) for pad in self._pads))
-        others = [mesh for link, mesh in read.meshes.items() if link not in of_pads]
-        touching = [mesh for link, mesh in read.meshes.items() if link in of_pads]
-        self._around_links = Surroundings((*others, *beside.values()), [self._target])
-        self._around_pads = Surroundings(touching, [self._target])
-        self._rubber = pad_links(read, self._pads) if self._target.limits.yields else ()
-        self._obstacles = Surroundings(read.moving, obstacles)
+        self._clearances = Clearances(read, self._task, self._pads, scene.enclosure.walls, self._target, obstacles)
         self._last: tuple[Array, Array] = np.zeros((0, 3)), np.zeros((0, 3))
 
     def check(self, claim: Claim) -> Certificate:
@@ -102,7 +88,7 @@ class Verifier:
             InputError: a joint is missing, or there is not one contact a pad.
         """
         self._require_complete(claim)
-        if not _finite(claim):
+        if not claim.is_finite:
             return Certificate(_unknown(self._figures(self._rest())))
         return Certificate(tuple(self._figures(claim)))
 
@@ -126,7 +112,7 @@ class Verifier:
         """
         if self._mass is None:
             return ()
-        finite = _finite(claim)
+        finite = claim.is_finite
         held = hold(self, claim if finite else self._rest())
         figures = resistance_figures(held, self._mass, self._task.withstand)
         return figures if finite else _unknown(figures)
@@ -154,7 +140,7 @@ class Verifier:
 
     def _normals(self, points: Array, pads: Pads) -> Array:
         """Return the normals of the contacts, into the object, world, shape (contacts, 3)."""
-        return _known(self._inward(points), points, pads)
+        return known_normals(self._inward(points), points, pads)
 
     def _inward(self, points: Array) -> Array:
         """Return the inward normals of the object at contacts, world, shape (contacts, 3); nan where it has none.
@@ -183,7 +169,7 @@ class Verifier:
             normals=-inward,
             synergies=np.array(list(self._robot.synergies.values(claim.joints).values())),
             T_world_wrist=poses[self._robot.arm.wrist],
-            V=force_cost(claim, _known(inward, claim.points, pads), self._pads, self._task),
+            V=force_cost(claim, known_normals(inward, claim.points, pads), self._pads, self._task),
             T_world_pads=pads.poses,
             joint_order=self._kinematics.joint_order,
         )
@@ -195,7 +181,7 @@ class Verifier:
             joints: every movable joint of the URDF by name, rad (m).
         """
         poses = self._kinematics.poses(joints)
-        return Certificate(tuple(self._clearances(Placed(self._robot.meshes, poses))))
+        return Certificate(tuple(self._clearances.figures(Placed(self._robot.meshes, poses))))
 
     def clearances(self, joints: Mapping[str, float]) -> tuple[PairClearance, ...]:
         """Return the distances below 50 mm of a posture, pair by pair, the least first.
@@ -203,27 +189,12 @@ class Verifier:
         Args:
             joints: every movable joint of the URDF by name, rad (m).
         """
-        poses = self._kinematics.poses(joints)
-        placed = Placed(self._robot.meshes, poses)
-        found = [
-            *wall_clearances(self._robot.moving, self._walls, placed),
-            *shape_clearances("obstacle clearance", self._obstacles, placed),
-            *shape_clearances("object clearance", self._around_links, placed),
-            *self._pad_clearances(placed),
-            *link_clearances("self clearance", self._enabled, placed),
-            *link_clearances("self collision", self._never, placed),
-        ]
-        return tuple(sorted(found, key=lambda pair: pair.distance))
-
-    def _pad_clearances(self, placed: Placed) -> Iterable[PairClearance]:
-        if self._rubber:
-            return rubber_clearances(self._rubber, self._target, placed)
-        return shape_clearances("pad clearance", self._around_pads, placed)
+        return self._clearances.pairs(Placed(self._robot.meshes, self._kinematics.poses(joints)))
 
     def _figures(self, claim: Claim) -> list[Figure]:
         poses = self._kinematics.poses(claim.joints)
         placed = Placed(self._robot.meshes, poses)
-        figures = [*self._clearances(placed), *self._object_clearances(placed), *self._statics(claim, poses)]
+        figures = [*self._clearances.figures(placed), *self._clearances.of_object(placed), *self._statics(claim, poses)]
         figures += self._joints(claim.joints)
         arm = self._robot.arm
         figures.append(manipulability_figure(self._kinematics, poses, arm.joints, arm.wrist))
@@ -252,35 +223,10 @@ class Verifier:
             figures.append(ranges_figure(self._task.intervals, positions, self._robot.endless))
         return figures
 
-    def _clearances(self, placed: Placed) -> list[Figure]:
-        margin = self._task.margin
-        figures = [enclosure_figure(self._robot.moving, self._walls, placed, margin.enclosure)]
-        if self._obstacles:
-            limit = margin.enclosure - 1e-6
-            figures.append(shape_figure("obstacle clearance", self._obstacles, placed, limit))
-        return [
-            *figures,
-            self_figure("self clearance", self._enabled, placed, margin.robot - 1e-6),
-            self_figure("self collision", self._never, placed, 0.0),
-        ]
-
-    def _object_clearances(self, placed: Placed) -> list[Figure]:
-        """Return how far pads are from the object, and everything else of the robot.
-
-        What of a pad's link is flush with the pad or behind it counts as the pad.
-        """
-        limit = self._task.margin.object - self._target.limits.margin
-        figures = [shape_figure("object clearance", self._around_links, placed, limit)] if self._around_links else []
-        if self._rubber:
-            return [*figures, rubber_figure(self._rubber, self._target, placed)]
-        if self._around_pads:
-            figures.append(shape_figure("pad clearance", self._around_pads, placed, -PENETRATION))
-        return figures
-
     def _statics(self, claim: Claim, poses: Poses) -> list[Figure]:
         pads = Pads.at(self._pads, poses)
         inward = self._inward(claim.points)
-        normals = _known(inward, claim.points, pads)
+        normals = known_normals(inward, claim.points, pads)
         return [
             *contact_figures(claim.points, inward, pads, self._target),
             *self._region(claim.points, normals, pads),
@@ -312,14 +258,7 @@ class Verifier:
         return Claim(joints, np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros(contacts))
 
     def _require_complete(self, claim: Claim) -> None:
-        for joint in self._kinematics.joints:
-            if joint.name not in claim.joints:
-                raise InputError(f"the claim gives no value for joint {joint.name}")
-        contacts = len(self._pads)
-        if claim.points.shape != (contacts, 3) or claim.forces.shape != (contacts, 3):
-            raise InputError(f"the claim must have points and forces of shape ({contacts}, 3), one a pad")
-        if claim.spin_torques.shape != (contacts,):
-            raise InputError(f"the claim must have spin torques of shape ({contacts},), one a pad")
+        claim.require_complete([joint.name for joint in self._kinematics.joints], len(self._pads))
 
 
 def hold(verifier: Verifier, claim: Claim) -> Hold:
@@ -332,26 +271,12 @@ def hold(verifier: Verifier, claim: Claim) -> Hold:
     return verifier._hold(claim, verifier._kinematics.poses(claim.joints))
 
 
-def _known(inward: Array, points: Array, pads: Pads) -> Array:
-    """Return inward normals, shape (contacts, 3); where the object has none, on its axis, that of the pad will do.
-
-    Such a contact is refuted anyway.
-    """
-    known = np.isfinite(inward).all(axis=1, keepdims=True)
-    return inward if known.all() else np.where(known, inward, pads.nearest(points)[1])
-
-
 def _description_of(robot: RobotDescription | Described) -> RobotDescription:
     found = robot if isinstance(robot, RobotDescription) else getattr(robot, "description", None)
     if not isinstance(found, RobotDescription):
         problem = f"must be of class Robot or RobotDescription, not {reprlib.repr(robot)}"
         raise InputError(problem, key="robot", remedy="Make it with `load_robot`")
     return found
-
-
-def _finite(claim: Claim) -> bool:
-    numbers = [*claim.joints.values(), *claim.points.flat, *claim.forces.flat, *claim.spin_torques.flat]
-    return bool((np.abs(numbers) < _LARGEST).all())  # false for nan too
 
 
 def _unknown(figures: Sequence[Figure]) -> tuple[Figure, ...]:

@@ -191,6 +191,15 @@ def rim_figures(points: Array, pads: Pads, target: PlacedShape, reserve: float) 
     return figures
 
 
+def known_normals(inward: Array, points: Array, pads: Pads) -> Array:
+    """Return inward normals, shape (contacts, 3); where the object has none, on its axis, that of the pad will do.
+
+    Such a contact is refuted anyway.
+    """
+    known = np.isfinite(inward).all(axis=1, keepdims=True)
+    return inward if known.all() else np.where(known, inward, pads.nearest(points)[1])
+
+
 def _least(name: str, values: Sequence[float], limit: float, pads: tuple[str, ...]) -> Figure:
     worst = int(np.argmin(values))
     return Figure(name, float(values[worst]), limit, "m", "at least", pads[worst])

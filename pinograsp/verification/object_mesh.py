@@ -17,6 +17,7 @@ from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.obj_indices import counted_from_first
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
+from .pieces import edges_of
 from .triangle_body import TriangleBody
 
 
@@ -51,8 +52,8 @@ def _facing_alike(vertices: Array, faces: Integers) -> Integers:
     """
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     owner = np.tile(np.arange(len(faces)), 3)
-    _, edge, sides = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
-    edge = edge.reshape(-1)
+    edge = edges_of(ends)[1]
+    sides = np.bincount(edge)
     net = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
     wrong = owner[((sides == 2) & (net != 0.0))[edge]]
     if not len(wrong):

@@ -10,6 +10,18 @@ import numpy as np
 from ..arrays import Array, Indices, Integers
 
 
+def edges_of(ends: Integers) -> tuple[Integers, Indices]:
+    """Return edges, each once and its lower end first, shape (e, 2), and the number of each one that was given.
+
+    Args:
+        ends: of edges, either way round, shape (n, 2).
+    """
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    base = int(high.max(initial=0)) + 1
+    found, numbers = np.unique(low * base + high, return_inverse=True)
+    return np.column_stack(np.divmod(found, base)), numbers.reshape(-1)
+
+
 def in_pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, Integers, Indices]:
     """Return triangles with no edge longer than a length, m: corners, faces, and the face that each is a piece of.
 
@@ -24,9 +36,9 @@ def in_pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, 
         long = np.linalg.norm(vertices[ends[:, :, 1]] - vertices[ends[:, :, 0]], axis=2) > longest
         if not long.any():
             return np.ascontiguousarray(vertices, dtype=np.float64), np.ascontiguousarray(faces, dtype=np.int64), owners
-        edges, numbers = np.unique(np.sort(ends[long], axis=1), axis=0, return_inverse=True)
+        edges, numbers = edges_of(ends[long])
         middles = np.full(faces.shape, -1)
-        middles[long] = len(vertices) + numbers.ravel()
+        middles[long] = len(vertices) + numbers
         vertices = np.vstack([vertices, 0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]])])
         count = long.sum(axis=1)
         found, of = [faces[count == 0]], [owners[count == 0]]

@@ -1,220 +1,34 @@
-"""Which triangles of a body have one side of it in front of them and another behind, all over.
+"""On which side of triangles the inside of a body is, found by few looks.
 
 The winding number is the same at both ends of a way that crosses no triangle. So it is the same all along the front of
-a triangle, and all along its back, unless another triangle crosses it; then one look beside its middle tells of every
-point that has its foot on it whether that is inside. What lies on a triangle, within `LAYER` of its plane, does not
-cross it; what comes nearer to it from elsewhere than that counts as crossing. Where the surface has openings, the
-winding number changes along the way by the solid angle of the openings over 4 pi: by less than a tenth at twice the
-radius of a ball around one.
+a triangle, and all along its back, but for what other triangles part from it (`crossings`), and where no opening of the
+surface is near (`openings`). One look beside a place on it, its seat, tells of every point whose foot on it a straight
+way leads to from there, clear of what crosses it. Where seats are, and what is seen there, `looks` says.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-import trimesh
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..compiled import compiled
+from .crossings import Crossings
+from .openings import Openings
+from .pieces import edges_of
 
-LAYER = 1e-7
-"""Distance from a triangle within which other ones lie on it or touch it, m."""
-_BESIDE = 1e-9
-"""Share of a triangle beside it that counts as on it."""
-_PARALLEL = 1e-9
-"""Length of the cross product of directions below which it has none."""
-_CLEAR = 2.0
-"""Radius around an opening within which the winding number is asked, in parts of its own."""
-
-
-def crossed(vertices: Array, faces: Integers) -> Mask:
-    """Return which triangles others cross, or touch otherwise than in corners and edges that they share, shape (f,).
-
-    Args:
-        vertices: shape (v, 3), m.
-        faces: shape (f, 3).
-    """
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    axis = int(np.ptp(vertices, axis=0).argmax())
-    order = low[:, axis].argsort(kind="stable")
-    found = np.zeros(len(faces), dtype=np.bool_)
-    found[order] = _crossed(
-        corners[order], normals[order], np.ascontiguousarray(faces[order]), low[order], high[order], axis
-    )
-    return found
+_CORNER = 1e-9
+"""Share of a triangle's corner in a foot below which it counts as none."""
+_LEVEL = 1e-12
+"""Distance from a plane below which a point is on neither side of it, m."""
+_UNTOLD, _BACK, _FRONT = 0, 1, 2
 
 
-@compiled
-def _crossed(corners: Array, normals: Array, faces: Integers, low: Array, high: Array, axis: int) -> Mask:
-    """Return which triangles others cross, of triangles in the order of the low ends of their boxes along an axis."""
-    found = np.zeros(len(faces), dtype=np.bool_)
-    for i in range(len(faces)):
-        for j in range(i + 1, len(faces)):
-            if low[j, axis] > high[i, axis] + LAYER:
-                break
-            if found[i] and found[j]:
-                continue
-            near = True
-            for k in range(3):
-                near &= low[i, k] <= high[j, k] + LAYER and low[j, k] <= high[i, k] + LAYER
-            if not near:
-                continue
-            common, own, other = 0, 0, 0
-            for a in range(3):
-                for b in range(3):
-                    if faces[i, a] == faces[j, b]:
-                        common, own, other = common + 1, a, b
-            if common == 0:
-                if not _apart(corners[i], normals[i], corners[j], normals[j]):
-                    found[i] |= not _on(corners[i], normals[i], corners[j])
-                    found[j] |= not _on(corners[j], normals[j], corners[i])
-            elif common == 1 and (
-                _pierced(corners[i], normals[i], corners[j], other) or _pierced(corners[j], normals[j], corners[i], own)
-            ):
-                found[i] = found[j] = True
-    return found
-
-
-@compiled
-def _on(triangle: Array, normal: Array, other: Array) -> bool:
-    """Whether another triangle lies in the plane of a triangle."""
-    farthest = 0.0
-    for k in range(3):
-        farthest = max(farthest, abs(_height(triangle, normal, other[k])))
-    return farthest <= LAYER
-
-
-@compiled
-def _height(triangle: Array, normal: Array, point: Array) -> float:
-    height = 0.0
-    for k in range(3):
-        height += normal[k] * (point[k] - triangle[0, k])
-    return height
-
-
-@compiled
-def _apart(first: Array, one: Array, second: Array, other: Array) -> bool:
-    """Whether a plane has two triangles on its sides, `LAYER` apart, given their unit normals.
-
-    It is asked of planes along one of them, along an edge of each, and across one of them along an edge of its own.
-    """
-    if _parted(first, second, one) or _parted(first, second, other):
-        return True
-    for i in range(3):
-        edge = first[(i + 1) % 3] - first[i]
-        if _parted(first, second, _cross(one, edge)):
-            return True
-        if _parted(first, second, _cross(other, second[(i + 1) % 3] - second[i])):
-            return True
-        for j in range(3):
-            if _parted(first, second, _cross(edge, second[(j + 1) % 3] - second[j])):
-                return True
-    return False
-
-
-@compiled
-def _cross(a: Array, b: Array) -> Array:
-    """Return the direction across two, unit length; zero of parallel ones."""
-    c = np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-    length = np.sqrt((c * c).sum())
-    if length <= _PARALLEL * np.sqrt((a * a).sum() * (b * b).sum()):
-        return np.zeros(3)
-    return np.asarray(c / length)
-
-
-@compiled
-def _parted(first: Array, second: Array, along: Array) -> bool:
-    """Whether two triangles are more than `LAYER` apart in a direction."""
-    low, high, other_low, other_high = np.inf, -np.inf, np.inf, -np.inf
-    for k in range(3):
-        place = first[k, 0] * along[0] + first[k, 1] * along[1] + first[k, 2] * along[2]
-        low, high = min(low, place), max(high, place)
-        place = second[k, 0] * along[0] + second[k, 1] * along[1] + second[k, 2] * along[2]
-        other_low, other_high = min(other_low, place), max(other_high, place)
-    return low > other_high + LAYER or other_low > high + LAYER
-
-
-@compiled
-def _pierced(triangle: Array, normal: Array, other: Array, common: int) -> bool:
-    """Whether a triangle is met by the edge, opposite a common corner, of another one that does not lie on it."""
-    start, end = other[(common + 1) % 3], other[(common + 2) % 3]
-    first, second = _height(triangle, normal, start), _height(triangle, normal, end)
-    if first * second > 0.0 or (abs(first) <= LAYER and abs(second) <= LAYER):
-        return False
-    place = start + first / (first - second) * (end - start)
-    for k in range(3):
-        edge = triangle[(k + 1) % 3] - triangle[k]
-        inward, away = 0.0, 0.0
-        for a in range(3):
-            b, c = (a + 1) % 3, (a + 2) % 3
-            sideways = normal[b] * edge[c] - normal[c] * edge[b]
-            inward += sideways * (triangle[(k + 2) % 3, a] - triangle[k, a])
-            away += sideways * (place[a] - triangle[k, a])
-        if away <= -_BESIDE * inward:
-            return False
-    return True
-
-
-def barycentric(points: Array, a: Array, b: Array, c: Array) -> Array:
-    """Return the shares of the corners of triangles in points of their planes, all of shape (n, 3)."""
-    e, f, g = b - a, c - a, points - a
-    ee, ef, ff = (e * e).sum(axis=1), (e * f).sum(axis=1), (f * f).sum(axis=1)
-    eg, fg = (e * g).sum(axis=1), (f * g).sum(axis=1)
-    area = ee * ff - ef * ef
-    v, w = (ff * eg - ef * fg) / area, (ee * fg - ef * eg) / area
-    return np.column_stack([1.0 - v - w, v, w])
-
-
-def neighbours(faces: Integers) -> Indices:
-    """Return the triangle at the edge opposite each corner; -1 where there is none or more than one, shape (f, 3)."""
-    owner = np.tile(np.arange(len(faces)), 3)
-    corner = np.repeat(np.arange(3), len(faces))
-    edges = np.sort(np.concatenate([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]]), axis=1)
-    order = np.lexsort(edges.T)
-    found = edges[order]
-    new = np.concatenate([[True], (found[1:] != found[:-1]).any(axis=1), [True]])
-    starts = np.flatnonzero(new)
-    pairs = starts[:-1][np.diff(starts) == 2]
-    beside = np.full((len(faces), 3), -1, dtype=np.intp)
-    for one, other in ((order[pairs], order[pairs + 1]), (order[pairs + 1], order[pairs])):
-        beside[owner[one], corner[one]] = owner[other]
-    return beside
-
-
-def one_for_all(faces: Integers, beside: Indices, plain: Mask, sizes: Array) -> tuple[Indices, Indices]:
-    """Return triangles that tell of all which side of them is inside: of plain ones that hang together, the largest.
-
-    These face the same way, and have an edge in common which is that of no other one.
-
-    Args:
-        faces: shape (f, 3).
-        beside: their neighbours, as of `neighbours`.
-        plain: which are so, shape (f,).
-        sizes: shape (f,).
-
-    Returns:
-        the triangles, shape (n,), and of each triangle the index of the one that tells of it, shape (f,).
-    """
-    one, corner = np.nonzero((beside >= 0) & plain[:, None] & plain[beside])
-    other = beside[one, corner]
-    along = faces[other] == faces[one, (corner + 1) % 3][:, None]
-    against = np.roll(faces[other], 1, axis=1) == faces[one, (corner + 2) % 3][:, None]
-    alike = (along & against).any(axis=1)  # each has the edge the other way round
-    graph = coo_matrix((np.ones(int(alike.sum())), (one[alike], other[alike])), shape=(len(faces), len(faces)))
-    _, group = connected_components(graph, directed=False)
-    order = np.lexsort((sizes, group))
-    last = np.append(group[order][1:] != group[order][:-1], True)
-    return order[last], group
-
-
-class Openings:
-    """Balls around the openings of a surface, in which the winding number is asked for.
+class Triangles:
+    """Triangles and what is beside them.
 
     Args:
         vertices: shape (v, 3), m.
@@ -222,17 +36,115 @@ class Openings:
     """
 
     def __init__(self, vertices: Array, faces: Integers) -> None:
-        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        alike, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
-        net = np.bincount(edge.ravel(), weights=np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0), minlength=len(alike))
-        border = alike[net != 0.0]
-        loops: list[Any] = trimesh.graph.connected_components(border, nodes=np.unique(border)) if len(border) else []
-        boxes = [(vertices[loop].min(axis=0), vertices[loop].max(axis=0)) for loop in loops]
-        self._balls = [(0.5 * (low + high), _CLEAR * 0.5 * float(np.linalg.norm(high - low))) for low, high in boxes]
+        self.vertices, self.faces = vertices, faces
+        self.corners = vertices[faces]
+        across = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0])
+        self.normals = across / np.linalg.norm(across, axis=1)[:, None]
+        self.middles = self.corners.mean(axis=1)
+        self.beside = neighbours(faces)
 
-    def near(self, points: Array, radii: Array | float = 0.0) -> Mask:
-        """Return which points, shape (n, 3), or balls of some radii (m) around them, reach into one of the balls."""
-        found = np.zeros(len(points), dtype=bool)
-        for center, radius in self._balls:
-            found |= ((points - center) ** 2).sum(axis=1) <= (radius + radii) ** 2
-        return found
+    def at(self, shares: Array, numbers: Indices) -> Array:
+        """Return places on some of them, shape (n, 3), m.
+
+        Args:
+            shares: of their corners, shape (3,) or (n, 3).
+            numbers: of the triangles, shape (n,).
+        """
+        return np.asarray(np.einsum("...k,nkj->nj", shares, self.corners[numbers]))
+
+    @cached_property
+    def radii(self) -> Array:
+        """Of balls around the middles that hold them, m, shape (f,)."""
+        return np.asarray(np.linalg.norm(self.corners - self.middles[:, None], axis=2).max(axis=1))
+
+
+class Sides:
+    """Which sides of triangles are inside.
+
+    Args:
+        triangles: of the surface.
+        openings: of the surface.
+        known: what `looks.seen` returned of them.
+    """
+
+    def __init__(self, triangles: Triangles, openings: Openings, known: Mapping[str, Any]) -> None:
+        self._triangles, self._openings = triangles, openings
+        self._front, self._back, self._clear = (np.asarray(known[name]) for name in ("front", "back", "clear"))
+        self._seats = np.asarray(known["seats"])
+        starts, others = np.asarray(known["starts"]), np.asarray(known["others"])
+        self._crossings = Crossings(triangles.corners, triangles.normals, starts, others)
+        self.bounding = np.asarray(known["bounding"])
+        """Which have an outside next to them, shape (f,)."""
+
+    def told(self, points: Array, numbers: Indices, feet: Array) -> tuple[Mask, Mask]:
+        """Return of which points their triangles tell whether they are inside, and which of these are, shape (n,).
+
+        Args:
+            points: shape (n, 3), m.
+            numbers: of the triangles that are nearest to them, shape (n,).
+            feet: of the points on these, shape (n, 3), m.
+        """
+        of = self._triangles
+        side, owners = _sides(points, numbers, feet, of.corners, of.normals, of.beside, self._clear)
+        told = side != _UNTOLD
+        told &= ~self._openings.near(0.5 * (points + feet), 0.5 * np.sqrt(((points - feet) ** 2).sum(axis=1)))
+        for number in owners:
+            told &= self._crossings.free(number, feet, self._seats[number])
+        chosen = owners[0]
+        return told, told & np.where(side == _FRONT, self._front[chosen], self._back[chosen])
+
+
+@compiled
+def _sides(
+    points: Array, numbers: Indices, feet: Array, corners: Array, normals: Array, beside: Indices, clear: Mask
+) -> tuple[Integers, Indices]:
+    """Return on which side of a triangle points are, shape (n,), which one that is, and the other one at their feet.
+
+    A foot on an edge belongs to the two triangles there: the one whose plane is farther from the point tells.
+    """
+    side = np.full(len(points), _UNTOLD)
+    owners = np.empty((2, len(points)), dtype=np.intp)
+    shares, e, f, g = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    for i in range(len(points)):
+        own = numbers[i]
+        owners[0, i] = owners[1, i] = own
+        ee = ef = ff = eg = fg = 0.0
+        for k in range(3):
+            e[k], f[k] = corners[own, 1, k] - corners[own, 0, k], corners[own, 2, k] - corners[own, 0, k]
+            g[k] = feet[i, k] - corners[own, 0, k]
+            ee, ef, ff = ee + e[k] * e[k], ef + e[k] * f[k], ff + f[k] * f[k]
+            eg, fg = eg + e[k] * g[k], fg + f[k] * g[k]
+        area = ee * ff - ef * ef
+        shares[1], shares[2] = (ff * eg - ef * fg) / area, (ee * fg - ef * eg) / area
+        shares[0] = 1.0 - shares[1] - shares[2]
+        other, missing = own, 0
+        for k in range(3):
+            if shares[k] < _CORNER:
+                other, missing = beside[own, k], missing + 1
+        if missing > 1 or other < 0 or not clear[own] or not clear[other]:
+            continue
+        height = away = 0.0
+        for k in range(3):
+            height += (points[i, k] - feet[i, k]) * normals[own, k]
+            away += (points[i, k] - feet[i, k]) * normals[other, k]
+        if abs(height) < abs(away):
+            owners[0, i], owners[1, i], height = other, own, away
+        else:
+            owners[1, i] = other
+        if abs(height) > _LEVEL:
+            side[i] = _FRONT if height > 0.0 else _BACK
+    return side, owners
+
+
+def neighbours(faces: Integers) -> Indices:
+    """Return the triangle at the edge opposite each corner; -1 where there is none or more than one, shape (f, 3)."""
+    owner = np.tile(np.arange(len(faces)), 3)
+    corner = np.repeat(np.arange(3), len(faces))
+    edge = edges_of(np.concatenate([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]]))[1]
+    order = edge.argsort(kind="stable")
+    count = np.bincount(edge)
+    pairs = (count.cumsum() - count)[count == 2]
+    beside = np.full((len(faces), 3), -1, dtype=np.intp)
+    for one, other in ((order[pairs], order[pairs + 1]), (order[pairs + 1], order[pairs])):
+        beside[owner[one], corner[one]] = owner[other]
+    return beside

@@ -72,16 +72,16 @@ class Skin:
         away, nearest = KDTree(coarse).query(face)
         return cls(coarse, face, nearest, away)
 
-    def least(self, distances: Callable[[Array], Array]) -> float:
+    def least(self, distances: Callable[[Array, float], Array]) -> float:
         """Return the least signed distance of the points, m.
 
         Args:
-            distances: signed distances of points, link frame, shape (n, 3).
+            distances: signed distances of points, link frame, shape (n, 3), that count if they are below a limit, m.
         """
-        found = distances(self.coarse)
+        found = distances(self.coarse, math.inf)
         least = float(found.min())
         closer = self.fine[found[self.nearest] - self.away < least]
-        return min(least, float(distances(closer).min(initial=math.inf)))
+        return min(least, float(distances(closer, least).min(initial=math.inf)))
 
 
 @dataclass(frozen=True)
@@ -141,8 +141,8 @@ def _distances(link: PadLink, target: PlacedShape, placed: Placed) -> list[tuple
     if _entered(link, target, placed):
         return [(pad, -math.inf) for pad in link.pads]
 
-    def distances(points: Array) -> Array:
-        return target.distances(placed.to_world(link.mesh.link, points))
+    def distances(points: Array, below: float) -> Array:
+        return target.distances(placed.to_world(link.mesh.link, points), below)
 
     return [(pad, skin.least(distances)) for pad, skin in zip(link.pads, link.skins, strict=True)]
 

@@ -20,17 +20,16 @@ which needs distances only, no derivative of them. A lattice sum errs by the wav
 on the lattice. The longest of them measure 1 / sqrt(2), and the kinks that a distance has at edges and in the middle of
 walls hold little of them. The lattice is turned, to lie along no face of a body whose faces lie along its axes.
 
-**Inside.** Large triangles are looked at in pieces (`pieces`). A point that has its foot, the nearest point of all
-pieces, on one that no other one crosses is inside if that side of the piece is (`plain_faces`), by a look `BESIDE`
-beside its middle. If the foot is on an edge of two such pieces, the one whose plane is farther from the point tells.
-All other points, those next to openings, and those at pieces with another one nearer to the look, are asked for their
-winding number. Pieces that hang together and are looked at in this way have the same sides: one look tells of them all.
+**Inside.** Large triangles are looked at in pieces (`pieces`). The piece that a point has its foot on, the nearest
+point of all pieces, tells whether it is inside (`plain_faces`), in most places. Where it does not, as next to openings,
+the winding number is asked for.
 """
 
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from collections.abc import Mapping
+from functools import cache, cached_property
 from typing import Any
 
 import igl
@@ -43,29 +42,22 @@ from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
+from .free_balls import sides
+from .looks import seen
+from .openings import Openings
 from .pieces import in_pieces
-from .plain_faces import Openings, barycentric, crossed, neighbours, one_for_all
+from .plain_faces import Sides, Triangles
 
 REACH = 4.0
 """Of the lattice of the footprint normal, in sigma."""
 TURN = (0.5, 0.3, 0.7)
 """Axis of the lattice's turn, times its angle, rad; no special one."""
-VERSION = 3
+VERSION = 5
 """Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
-BESIDE = 1e-6
-"""How far beside a piece it is asked whether there is an outside, m."""
-ALONE = 0.85 * BESIDE
-"""How far everything is from a place beside a piece that tells of it, at least, m: more than `LAYER` less than it."""
-PLACES = 4
-"""Along an edge, at which it is asked where a piece that others cross has none at its middle."""
 PIECE, PIECES = 0.005, 30
 """Longest edge of pieces, m; of a large body its extent divided by so much, if that is more."""
-_CORNER = 1e-9
-"""Share of a triangle's corner in a foot below which it counts as none."""
-_LEVEL = 1e-12
-"""Distance from a plane below which a point is on neither side of it, m."""
 
 
 def _quadrature() -> tuple[Array, Array]:
@@ -77,14 +69,7 @@ def _quadrature() -> tuple[Array, Array]:
     return nodes, np.exp(-0.5 * (nodes * nodes).sum(axis=1))[:, None] * nodes
 
 
-def _places() -> Array:
-    """Return shares of the corners of a triangle, shape (n, 3)."""
-    grid = [(i, j, PLACES - 1 - i - j) for i in range(PLACES) for j in range(PLACES - i)]
-    return np.asarray((np.array(grid) + 0.1) / (PLACES - 1 + 0.3))
-
-
 _NODES, _WEIGHTED = _quadrature()
-_PLACES = _places()
 
 
 class TriangleBody:
@@ -100,19 +85,18 @@ class TriangleBody:
         self._around = np.ascontiguousarray(faces, dtype=np.int64)
         self.middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         """Of the bounding box, shape (3,)."""
-        self._openings = Openings(self.vertices, self._around)
         longest = max(PIECE, float(np.ptp(self.vertices, axis=0).max()) / PIECES)
         vertices, pieces, owners = in_pieces(self.vertices, self._around, longest)
         self._whole = _Tree(vertices, pieces)
         self._winding = igl.FastWindingNumberBVH()
         self._winding.init(vertices, pieces)
-        self._corners = vertices[pieces]
-        across = np.cross(self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0])
-        self._normals = across / np.linalg.norm(across, axis=1)[:, None]
-        self._beside = neighbours(pieces)
-        known = kept("bodies", self._key(), self._known, lambda found: found, dict)
-        self._front, self._back, self._plain = known["front"], known["back"], known["plain"]
-        self._bounds = bounding = np.asarray(known["bounding"])
+        self._openings, triangles = Openings(self.vertices, self._around), Triangles(vertices, pieces)
+
+        def look() -> Mapping[str, Any]:
+            return seen(triangles, self._openings, lambda points: self._whole.nearest(points)[0], self.contains)
+
+        self._sides = Sides(triangles, self._openings, kept("bodies", self._key(), look, dict, dict))
+        bounding = self._sides.bounding
         self.faces = np.ascontiguousarray(self._around[np.unique(owners[bounding])])
         """Without those that lie wholly inside, where parts overlap, shape (f, 3)."""
         self._skin = self._whole if bounding.all() else _Tree(vertices, np.ascontiguousarray(pieces[bounding]))
@@ -121,49 +105,30 @@ class TriangleBody:
         content = self.vertices.tobytes() + self._around.tobytes()
         return digest(b"%d %d " % (VERSION, len(self.vertices)) + content)[:32]
 
-    def _known(self) -> dict[str, Any]:
-        """Return which pieces bound the body, are plain, and have its inside in front of them or behind."""
-        middles, step = self._corners.mean(axis=1), BESIDE * self._normals
-        radii = np.linalg.norm(self._corners - middles[:, None], axis=2).max(axis=1)
-        plain = ~crossed(self._whole.vertices, self._whole.faces) & ~self._openings.near(middles, radii)
-        for places in (middles + step, middles - step):
-            plain[plain] = self._whole.nearest(places[plain])[0] > ALONE
-        told, teller = one_for_all(self._whole.faces, self._beside, plain, radii)
-        front, back = (self.contains(places[told])[teller] for places in (middles + step, middles - step))
-        return {"front": front, "back": back, "plain": plain, "bounding": self._bounding(~front | ~back, plain)}
-
     def contains(self, points: Array) -> Mask:
         """Whether points, shape (n, 3), are inside: their winding number is above a half."""
         return np.asarray(self._winding.winding_number(np.ascontiguousarray(points)) > 0.5)
 
-    def distances(self, points: Array) -> Array:
+    def distances(self, points: Array, below: float = math.inf) -> Array:
         """Signed distances of points, shape (n, 3), negative inside, shape (n,).
 
-        From outside all triangles count; from inside, those that bound the body.
+        From outside all triangles count; from inside, those that bound the body. Points that cannot be so deep inside
+        that their distance is less than `below` (m) may come as if they were outside.
         """
         points = np.ascontiguousarray(points)
         found, numbers, feet = self._whole.nearest(points)
-        inside = self._inside(points, numbers, feet)
+        inside = np.zeros(len(points), dtype=bool)
+        deep = np.flatnonzero((-found < below) | ~self._sides.bounding[numbers])
+        told, side = self._sides.told(points[deep], numbers[deep], feet[deep])
+        inside[deep] = sides(points[deep], found[deep], told, side, self._openings, self.contains)
         found[inside] *= -1.0
-        hidden = inside & ~self._bounds[numbers]
+        hidden = inside & ~self._sides.bounding[numbers]
         found[hidden] = -self._skin.nearest(points[hidden])[0]
         return found
 
     def _inside(self, points: Array, numbers: Indices, feet: Array) -> Mask:
         """Whether points are inside, given the pieces that are nearest to them and their feet on these."""
-        shares = barycentric(feet, *self._corners[numbers].transpose(1, 0, 2))
-        missing = shares < _CORNER
-        edge = missing.sum(axis=1) == 1
-        beside = np.where(edge, self._beside[numbers, missing.argmax(axis=1)], numbers)
-        ways = points - feet
-        heights = (ways * self._normals[numbers]).sum(axis=1)
-        others = (ways * self._normals[beside]).sum(axis=1)
-        told = (missing.sum(axis=1) < 2) & (beside >= 0) & self._plain[numbers] & self._plain[beside]
-        told &= ~self._openings.near(points)
-        nearer = np.abs(heights) < np.abs(others)
-        numbers, heights = np.where(nearer, beside, numbers), np.where(nearer, others, heights)
-        told &= np.abs(heights) > _LEVEL
-        inside: Mask = np.where(heights > 0.0, self._front[numbers], self._back[numbers])
+        told, inside = self._sides.told(points, numbers, feet)
         inside[~told] = self.contains(points[~told])
         return inside
 
@@ -172,20 +137,6 @@ class TriangleBody:
         slope = self.distances(point + self.sigma * _NODES) @ _WEIGHTED
         length = float(np.linalg.norm(slope))
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
-
-    def _bounding(self, bounding: Mask, plain: Mask) -> Mask:
-        """Return which pieces have an outside next to them, on one of their sides at one of many places.
-
-        Args:
-            bounding: which have one at their middle, shape (pieces,).
-            plain: of which that says all, shape (pieces,).
-        """
-        bounding = bounding.copy()
-        for shares in _PLACES:
-            for side in (BESIDE, -BESIDE):
-                rest = np.flatnonzero(~bounding & ~plain)
-                bounding[rest] = ~self.contains(shares @ self._corners[rest] + side * self._normals[rest])
-        return bounding
 
     @cached_property
     def centroid(self) -> Array:
@@ -206,12 +157,17 @@ class TriangleBody:
         across = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
         areas = np.linalg.norm(across, axis=1)
         centroids, normals = chosen.mean(axis=1), across / areas[:, None]
+
+        @cache  # the depths of one sigma are those of others, too
+        def thick(depth: float) -> Mask:
+            points = centroids - depth * normals
+            return self._inside(points, *self._whole.nearest(points)[1:])
+
+        def enough(found: Mask) -> bool:
+            return bool(areas[found].sum() >= THICK_SHARE * areas.sum())
+
         for sigma in SIGMAS:
-            thick = np.ones(len(chosen), dtype=bool)
-            for depth in (sigma, 2.0 * sigma):
-                points = centroids - depth * normals
-                thick &= self._inside(points, *self._whole.nearest(points)[1:])
-            if areas[thick].sum() >= THICK_SHARE * areas.sum():
+            if enough(thick(sigma)) and enough(thick(sigma) & thick(2.0 * sigma)):
                 return sigma
         return SIGMAS[-1]
 

@@ -6,6 +6,7 @@ A class gives the shape in its own frame; `PlacedShape` puts it into the world. 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -115,9 +116,12 @@ class PlacedShape:
         """Radius of the least ball about a world point, shape (3,), that holds the shape, m."""
         return self._geometry.radius_about(self.to_object(point))
 
-    def distances(self, points: Array) -> Array:
-        """Signed distances of world points, shape (n, 3), to the surface, m, shape (n,)."""
-        return self._geometry.distances(self.to_object(points))
+    def distances(self, points: Array, below: float = math.inf) -> Array:
+        """Signed distances of world points, shape (n, 3), to the surface, m, shape (n,).
+
+        Those that are not less than `below` (m) may come as anything that is not less than it.
+        """
+        return self._geometry.distances(self.to_object(points), below)
 
     def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:
         """Return the vertices of a footprint, shape (k, 3): a point, the ends of a line, or a polygon in order; world.

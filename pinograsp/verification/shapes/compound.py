@@ -56,9 +56,9 @@ class CompoundGeometry(FormulaGeometry):
         geometry, T = self._parts[number]
         return np.asarray(T[:3, :3] @ geometry.inward(self._local(number, point)))
 
-    def distances(self, points: Array) -> Array:
-        """Signed distances of points, shape (n, 3), shape (n,)."""
-        each = [geometry.distances((points - T[:3, 3]) @ T[:3, :3]) for geometry, T in self._parts]
+    def distances(self, points: Array, below: float = math.inf) -> Array:
+        """Signed distances of points, shape (n, 3), shape (n,); of those not less than `below`, no more than that."""
+        each = [geometry.distances((points - T[:3, 3]) @ T[:3, :3], below) for geometry, T in self._parts]
         return np.asarray(np.min(each, axis=0))
 
     def footprint(self, pad_face: Array, point: Array, normal: Array) -> Array:

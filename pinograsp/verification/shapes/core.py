@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -72,8 +73,11 @@ class Geometry(Protocol):
     def distance(self, point: Array) -> float:
         """Signed distance of a point to the surface, negative inside."""
 
-    def distances(self, points: Array) -> Array:
-        """Signed distances of points, shape (n, 3), to the surface, shape (n,)."""
+    def distances(self, points: Array, below: float = math.inf) -> Array:
+        """Signed distances of points, shape (n, 3), to the surface, shape (n,).
+
+        Those that are not less than `below` (m) may come as anything that is not less than it.
+        """
 
     def surrounds(self, points: Array) -> bool:
         """Whether one of the points, shape (n, 3), is inside where no core would tell."""
@@ -137,8 +141,8 @@ class FormulaGeometry:
         """Signed distance of a point to the surface, negative inside."""
         raise NotImplementedError
 
-    def distances(self, points: Array) -> Array:
-        """Signed distances of points, shape (n, 3), to the surface, shape (n,)."""
+    def distances(self, points: Array, below: float = math.inf) -> Array:
+        """Signed distances of points, shape (n, 3), to the surface, shape (n,), all of them as they are."""
         return np.array([self.distance(point) for point in points])
 
     def surrounds(self, points: Array) -> bool:

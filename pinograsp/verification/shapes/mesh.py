@@ -48,9 +48,12 @@ class MeshGeometry:
         """Signed distance of a point to the nearest triangle."""
         return float(self._body.distances(point[None])[0])
 
-    def distances(self, points: Array) -> Array:
-        """Signed distances of points, shape (n, 3), to the nearest triangles, shape (n,)."""
-        return self._body.distances(points)
+    def distances(self, points: Array, below: float = math.inf) -> Array:
+        """Signed distances of points, shape (n, 3), to the nearest triangles, shape (n,).
+
+        Those that are not less than `below` (m) may come as anything that is not less than it.
+        """
+        return self._body.distances(points, below)
 
     def surrounds(self, points: Array) -> bool:
         """Whether one of the points, shape (n, 3), is inside: trees of triangles do not tell."""
