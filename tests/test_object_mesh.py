@@ -308,13 +308,16 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "text.glb": (b"hello world\n" * 30, "cannot be read as GLB"),
     "text.dae": (b"hello world\n" * 30, "cannot be read as DAE"),
     "text.off": (b"hello world\n" * 30, "cannot be read as OFF"),
-    "range.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", "a face has the vertex 7, of 3"),
-    "zero.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "a face has the vertex 0, of 3"),
-    "before.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "a face has the vertex -4, of 3"),
+    "range.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", "face 1 has the vertex 7, of 3"),
+    "zero.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "face 1 has the vertex 0, of 3"),
+    "before.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "face 1 has the vertex -4, of 3"),
     "words.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf one two three\n", "cannot be read as OBJ"),
     "range.off": (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "cannot be read as OFF"),
-    "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
-    "infinite.obj": (b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
+    "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has corners that are not finite in 1 of its 1 triangles"),
+    "infinite.obj": (
+        b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "has corners that are not finite in 1 of its 1 triangles",
+    ),
     "cut.ply": (
         b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         b"element face 4\nproperty list uchar int vertex_indices\nend_header\n"
@@ -535,6 +538,7 @@ def test_a_corner_too_far_away_is_refused(far: float, tmp_path: Path) -> None:
     content += "\n" + "\n".join("f " + " ".join(map(str, face)) for face in (mesh.faces + 1).tolist())
     (tmp_path / "far.obj").write_text(content)
     with pytest.raises(
-        FileError, match=f"a corner is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m"
+        FileError,
+        match=f"has a corner that is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m",
     ):
         read(tmp_path / "far.obj", unit="m")
