@@ -98,7 +98,7 @@ def test_scale_and_unit(tmp_path: Path) -> None:
     [
         (-1, "shape.scale", "must be greater than 0 (given: -1)"),
         ([1, 1, -1], "shape.scale[2]", "must be greater than 0 (given: -1)"),
-        ([1, 1], "shape.scale", "more values are wanted (2 given)"),
+        ([1, 1], "shape.scale", "3 values are wanted (2 given)"),
         (np.zeros(3), "shape.scale[0]", "must be greater than 0 (given: 0.0)"),
         ("2", "shape.scale", "a number is wanted (given: '2')"),
     ],
