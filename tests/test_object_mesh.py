@@ -212,12 +212,16 @@ def test_doubled_triangles(tmp_path: Path) -> None:
     for mesh in (read(put(tmp_path, "twice.stl", twice)), read(put(tmp_path, "sides.stl", both_sides))):
         assert len(mesh.faces) == 12
         assert volume(mesh) == pytest.approx(VOLUME, rel=1e-6)
+        assert mesh.findings == ("12 doubled triangles left out",)
+    one_more = bare(one.vertices, np.vstack([one.faces, one.faces[:1]]))
+    assert read(put(tmp_path, "more.stl", one_more)).findings == ("1 doubled triangle left out",)
 
 
 def test_triangles_without_area_are_dropped(tmp_path: Path) -> None:
     one = box()
     faces = np.vstack([one.faces, [[0, 0, 1], [2, 2, 2]]])
-    assert len(read(put(tmp_path, "box.ply", bare(one.vertices, faces))).faces) == 12
+    mesh = read(put(tmp_path, "box.ply", bare(one.vertices, faces)))
+    assert (len(mesh.faces), mesh.findings) == (12, ())
 
 
 def test_small_holes_are_closed_and_said(tmp_path: Path) -> None:
