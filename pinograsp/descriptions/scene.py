@@ -16,6 +16,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from ..arrays import Rows
 from ..disk import digest
 from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
+from ..interrupts import held
 from .bodies import Body, Object
 from .enclosure import Enclosure
 from .mesh_files import CONTENT, content_hashes
@@ -135,7 +136,8 @@ class Scene(FileRoot):
     def _to_dict(self, context: Any = None) -> dict[str, Any]:
         # Without the gravity of scenes that say nothing about it, whose digests are older than this key.
         standard = {"gravity"} if self.gravity == DOWN else set()
-        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
+        with held():  # pydantic would make an error of the scene of an interrupt
+            return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
 
     def task(self, name: str) -> Task:
         """Return a task by name.
