@@ -15,7 +15,7 @@ from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import Proposal, State, TaskModel
-from ..problem.proposals import Candidate, proposal
+from ..problem.contact_pairs import Candidate, proposal
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate

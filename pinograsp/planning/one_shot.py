@@ -11,7 +11,7 @@ from ..descriptions.pose import ZERO
 from ..descriptions.task import ContactConstants, Task, Wrench
 from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..kinematics.robot import Robot
-from ..problem.proposals import ContactPair
+from ..problem.contact_pairs import ContactPairs
 from ..progress import Report
 from ..results import Result
 from ..results.configuration_check import ConfigurationCheck
@@ -145,7 +145,7 @@ def contacts(
     seed: int = 0,
     most: int = PROPOSED,
     progress: Report | None = None,
-) -> tuple[ContactPair, ...]:
+) -> ContactPairs:
     """Return pairs of opposite points of an object that the hand can hold where the object stands.
 
     A task that leaves out `desired_contacts` proposes them to its starts. `Planner.contacts` is quicker for who asks

@@ -20,7 +20,7 @@ from ..errors import InputError, real_number, require_kind, require_report, whol
 from ..execution import GivenExecutor, Workers, own_workers
 from ..interrupts import heard, taken, undisguised
 from ..kinematics.robot import Robot
-from ..problem.proposals import ContactPair
+from ..problem.contact_pairs import ContactPairs
 from ..progress import OnceTold, Report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
@@ -275,7 +275,7 @@ class Planner:
             model = self._models.model(task)
             return checked(model, verifier_of(model), joints)
 
-    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> tuple[ContactPair, ...]:
+    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> ContactPairs:
         """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
 
         A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
@@ -293,7 +293,8 @@ class Planner:
         seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
         with undisguised():
             model, _ = self._models.checked(task)
-            return tuple(candidate.pair for candidate in self._models.proposals(model, seed).here(model, most))
+            proposals = self._models.proposals(model, seed)
+            return ContactPairs((candidate.pair for candidate in proposals.here(model, most)), proposals.remarks)
 
     def _setup(self, task: str) -> Setup:
         return Setup(self._robot.description, self.scene, task)

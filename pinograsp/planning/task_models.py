@@ -12,7 +12,8 @@ from ..descriptions.mesh_keys import mesh_keys
 from ..descriptions.pose import Pose
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
-from ..problem.proposals import Candidate, Proposals, desired_points
+from ..problem.contact_pairs import Candidate, desired_points
+from ..problem.proposals import Proposals
 from ..progress import Report
 from ..solve.pair_trials import PairTrials
 from .attempt import require_consistent

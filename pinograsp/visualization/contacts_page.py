@@ -12,7 +12,7 @@ from ..descriptions import Scene
 from ..descriptions.mesh_keys import mesh_keys
 from ..disk import as_path, write_whole
 from ..errors import InputError, UnknownNameError, close_names, require_kind
-from ..problem.proposals import ContactPair
+from ..problem.contact_pairs import ContactPair
 from . import camera, colors
 from .forces import ARROW_RADIUS
 from .page import legend, page, view_button
