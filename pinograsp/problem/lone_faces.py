@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ..geometry.antipodal import Pairs
+from ..units import shown
 
 LEAST = 0.1
 """Share of the surface from which on it is said."""
@@ -47,11 +48,11 @@ class LoneFaces:
         """
         said = []
         if self._are_many(self._tilted):
-            turned, within = _degrees(min(self._tilted)), _degrees(self._tilt)
+            turned, within = shown(min(self._tilted), "rad"), shown(self._tilt, "rad")
             why = f"what is opposite is turned by {turned} or more, and the pads stay parallel, within {within}"
             said.append(f"{self._share(self._tilted)}: {why}")
         if self._are_many(self._leaning):
-            leans, held = _degrees(max(self._leaning)), _degrees(self._lean)
+            leans, held = shown(max(self._leaning), "rad"), shown(self._lean, "rad")
             why = f"the line to what is opposite leans by up to {leans}, and friction {friction:.3g} holds {held}"
             said.append(f"{self._share(self._leaning)}: {why}")
         return tuple(said)
@@ -61,7 +62,3 @@ class LoneFaces:
 
     def _share(self, angles: list[float]) -> str:
         return f"{100.0 * len(angles) / self._points:.0f} % of the surface has no pair"
-
-
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.3g} degrees"
