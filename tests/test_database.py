@@ -21,7 +21,7 @@ from conftest import collision_model
 
 import pinograsp
 from pinograsp.cli import main
-from pinograsp.cli.database import configurations_table
+from pinograsp.cli.database_query import configurations_table
 from pinograsp.collision.batch_clearance import BatchClearance
 from pinograsp.collision.scene_world import enclosure_world
 from pinograsp.collision.world import CLEARANCES
