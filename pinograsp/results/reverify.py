@@ -69,8 +69,8 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
     require_kind("result", result, Result, remedy="Read it with `read_json`")
     require_report(progress)
     setup = result.setup
-    found = list(_of_the_whole(result))
     with mesh_keys(setup.scene):
+        found = list(_of_the_whole(result))
         verifier = Verifier(setup.robot, setup.scene, setup.task)
         for number, grasp in enumerate(result.grasps, 1):
             found += _of_grasp(number, grasp, setup, verifier)

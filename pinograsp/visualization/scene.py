@@ -9,7 +9,6 @@ import numpy as np
 from ..descriptions import Scene, Task
 from ..descriptions.bodies import Body
 from ..descriptions.enclosure import Enclosure
-from ..descriptions.mesh_keys import mesh_keys
 from ..descriptions.regions import Region
 from ..geometry.shapes import surface_of
 from . import colors
@@ -32,11 +31,10 @@ def draw_scene(viewer: Visualizer, scene: Scene, task: Task, marked: Collection[
         marked: walls, obstacles and other objects that offend.
     """
     draw_enclosure(viewer["enclosure"], scene.enclosure, marked)
-    with mesh_keys(scene):
-        _draw_object(viewer["object"], scene.objects[task.object], scene.region_of(task))
-        for name, body in scene.bodies_besides(task).items():
-            look = Look(colors.OFFENDER if name in marked else colors.OTHER)
-            draw_body(child(viewer["obstacles"], name), body, look)
+    _draw_object(viewer["object"], scene.objects[task.object], scene.region_of(task))
+    for name, body in scene.bodies_besides(task).items():
+        look = Look(colors.OFFENDER if name in marked else colors.OTHER)
+        draw_body(child(viewer["obstacles"], name), body, look)
 
 
 def _draw_object(node: Visualizer, body: Body, region: Region | None) -> None:
