@@ -86,7 +86,8 @@ from .planning.one_shot import contacts as contacts
 from .planning.one_shot import explain as explain
 from .planning.one_shot import plan as plan
 from .planning.session import Planner as Planner
-from .problem.proposals import ContactPair as ContactPair
+from .problem.contact_pairs import ContactPair as ContactPair
+from .problem.contact_pairs import ContactPairs as ContactPairs
 from .progress import Progress as Progress
 from .results.configuration_check import ConfigurationCheck as ConfigurationCheck
 from .results.criteria import CRITERIA as CRITERIA

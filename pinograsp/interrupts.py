@@ -138,6 +138,16 @@ def held() -> AbstractContextManager[None]:
     return _Set(heard=False) if _watch is not None else _kept()
 
 
+def undisguised() -> AbstractContextManager[None]:
+    """Return a context: an interrupt that C code has made another error of is raised as what it is.
+
+    Where a signal comes while Numba's dispatcher, in C, calls a function to find the types of its arguments, it goes on
+    with the exception set, and Python makes a SystemError of that, of which its callers may make further ones. Python's
+    own locks complain that they are not locked.
+    """
+    return _Undisguised()
+
+
 def forget() -> None:
     """Have a worker that was forked leave the signals to its parent; SIGTERM ends it."""
     global _watch
@@ -160,15 +170,28 @@ class _Set(AbstractContextManager[None]):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, *trace: object) -> None:
         self._to(self._before, tell=kind is None)
-        # Where a signal comes while Numba's dispatcher, in C, calls a function, Python makes a SystemError of it.
-        if self._heard and isinstance(error, SystemError) and isinstance(error.__cause__, KeyboardInterrupt):
-            raise error.__cause__ from None
+        if self._heard:
+            _raise_undisguised(error)
 
     def _to(self, heard: bool, tell: bool = True) -> None:
         if self._watch is not None:
             self._watch.heard = heard
             if tell:
                 self._watch.tell(sys._getframe())
+
+
+class _Undisguised(AbstractContextManager[None]):
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, *trace: object) -> None:
+        _raise_undisguised(error)
+
+
+def _raise_undisguised(error: BaseException | None) -> None:
+    """Raise the interrupt behind an error, if there is one."""
+    behind = error.__context__ if type(error) is RuntimeError else error
+    while isinstance(behind, SystemError):
+        behind = behind.__cause__
+    if behind is not error and isinstance(behind, KeyboardInterrupt):
+        raise behind from None
 
 
 @contextmanager

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 
@@ -31,3 +34,37 @@ Report = Callable[[Progress], None]
 
 def no_report(progress: Progress) -> None:
     """Take no notice of progress."""
+
+
+PATIENCE = 2.0
+"""Seconds of a piece of work from which on something is said of it."""
+ONCE = {
+    "meshes": "the meshes of the scene are prepared",
+    "convex pieces": "convex pieces of the robot's meshes are made",
+    "compiling": "code is compiled",
+    "start database": "a start database for this robot, room and margins is built",
+}
+"""Work that is done once on a machine, in words."""
+LONG = frozenset({"start database"})
+"""Work that takes a minute or so."""
+
+
+class OnceTold:
+    """What is said to who asked for no progress: a line on standard error for what is made once, and takes long.
+
+    Else a first plan would be silent for minutes, and nobody could know that the next one is not.
+    """
+
+    def __init__(self) -> None:
+        self._began: dict[str, float] = {}
+        self._told: set[str] = set()
+
+    def __call__(self, progress: Progress) -> None:
+        """Say what is made, if that was not said yet and takes long."""
+        stage, now = progress.stage, time.monotonic()
+        waited = now - self._began.setdefault(stage, now)
+        if stage in ONCE and stage not in self._told and (stage in LONG or waited >= PATIENCE):
+            self._told.add(stage)
+            line = f"pinograsp: {ONCE[stage]}, once on this machine; progress=print says how far it is"
+            with suppress(OSError, ValueError, AttributeError):  # it is full, closed, or there is none
+                print(line, file=sys.stderr, flush=True)

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import pinograsp
 from pinograsp import Errors, InputError, Progress, assess, cli
+from pinograsp.assessment import closing
 from pinograsp.assessment.closing import Closing, moved
 from pinograsp.assessment.errors import FRICTION as FRICTION_PARTS
 from pinograsp.assessment.errors import SAMPLES, draws
@@ -115,6 +116,14 @@ def judged(judge: Judge, **errors: Any) -> Any:
 
 
 # The hand that closes again.
+
+
+def test_steps_where_the_damping_is_lost_in_rounding() -> None:
+    """As between the faces of a thin sheet, which the hand may turn about as it likes."""
+    H = np.diag([1e12, 1e12, 0.0])
+    np.testing.assert_allclose(closing._solution(H, np.array([2e12, 0.0, 0.0])), [2.0, 0.0, 0.0], atol=1e-9)
+    regular = np.array([[2.0, 1.0], [1.0, 3.0]])
+    np.testing.assert_allclose(regular @ closing._solution(regular, np.array([1.0, 2.0])), [1.0, 2.0])
 
 
 def test_planned_grasp_is_what_the_verification_takes_it_for(make_grasp: Make) -> None:

@@ -359,7 +359,7 @@ def refused(file: Path) -> InputError:
         ({}, {1: {"leave_out": ["base"]}}, "attach[1].leave_out", "nothing is left"),
         ({}, {1: {"root": "left", "leave_out": ["left"]}}, "attach[1].leave_out", "nothing is left"),
         ({}, {1: {"too": "carriage"}}, "attach[1].too", "unknown key. Did you mean to"),
-        ({}, {1: {"rpy": [0.0, 0.0]}}, "attach[1].rpy", "more values are wanted"),
+        ({}, {1: {"rpy": [0.0, 0.0]}}, "attach[1].rpy", "3 values are wanted (2 given)"),
         ({"arm": CHAIN["arm"] | {"wrist": "flange"}}, {}, "arm.wrist", "is not in rail.urdf or arm.urdf or hand.urdf"),
     ],
     ids=str,

@@ -171,7 +171,9 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
     ("scene", "format: 1", "format: 2", "format", "format: ", ["must be 1", "2"]),
     ("scene", "format: 1", "format: true", "format", "format: ", ["number"]),
     # lists, blocks and texts
-    ("scene", "[1.10, 0.42, 0.363]", "[1.10, 0.42]", "enclosure.max", "max: ", ["more values", "2 given"]),
+    ("scene", "[1.10, 0.42, 0.363]", "[1.10, 0.42]", "enclosure.max", "max: ", ["3 values are wanted (2 given)"]),
+    ("scene", "[1.10, 0.42, 0.363]", "[]", "enclosure.max", "max: ", ["3 values are wanted (0 given)"]),
+    ("scene", "[0.0, 0.0373, 0.0]", "[0.1]", "tasks.sphere.desired_contacts[0]", "[0.1]", ["3 values", "1 given"]),
     ("scene", "[1.10, 0.42, 0.363]", "[1, 1, 1, 1]", "enclosure.max", "max: ", ["3 values", "4 given"]),
     ("scene", "[1.10, 0.42, 0.363]", "1.10", "enclosure.max", "max: ", ["list"]),
     (
@@ -227,6 +229,7 @@ BAD_VALUES: list[tuple[str, str, str, str, str, list[str]]] = [
             ("approach: {direction: [0, 0, -1], angle: 1, frame: wrist}", "approach.frame", ["'world' or 'object'"]),
             ("approach: {direction: [0, 0, -1], angel: 1}", "approach.angel", ["unknown key", "mean angle"]),
             ("joint_ranges: {joint_6: [0.5, -1.5]}", "joint_ranges.joint_6", ["0.5 is above", "-1.5"]),
+            ("joint_ranges: {joint_6: [0.5]}", "joint_ranges.joint_6", ["2 values are wanted (1 given)"]),
             ("joint_ranges: {joint_6: 0.5}", "joint_ranges.joint_6", ["a list in [brackets]"]),
             ("joint_ranges: [joint_6]", "joint_ranges", ["block of keys"]),
             ("lock: {joint_6: [0, 0]}", "lock.joint_6", ["a number is wanted", "[0, 0]"]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from pinograsp import (
     Band,
     Body,
     Box,
+    Cylinder,
     Explanation,
     Mesh,
     Object,
@@ -27,6 +29,8 @@ from pinograsp import (
     Sphere,
     TaskError,
 )
+from pinograsp.geometry.contact_faces import widest_room
+from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, carried, greatest_force, greatest_force_parallel
 from pinograsp.planning.relaxations.variant import place
@@ -114,14 +118,44 @@ def test_desired_contacts_that_do_not_carry_the_load_are_warned_of(toy: Robot, r
 def test_desired_contacts_farther_apart_than_the_jaw_opens_are_warned_of(toy: Robot, room: Scene) -> None:
     scene = boxed(room, (0.16, 0.02, 0.02), [[0.08, 0.0, 0.0], [-0.08, 0.0, 0.0]], UP)
     (warning,) = odd(toy, scene)
-    assert warning.startswith("the desired contacts are 160.0 mm apart, the pads open to 137.0 mm")
+    assert warning.startswith("the desired contacts are 160 mm apart, the pads open to 137 mm")
 
 
 def test_desired_contacts_nearer_than_the_jaw_closes_are_warned_of(toy: Robot, room: Scene) -> None:
     scene = boxed(room, (0.02, 0.02, 0.02), [[0.01, 0.0, 0.0], [-0.01, 0.0, 0.0]], UP)
     (warning,) = odd(toy, scene.with_task("ball", joint_ranges={"slide_left": (0.03, 0.05)}))
     # 30 mm and 1.25 of them and 2 mm.
-    assert warning.startswith("the desired contacts are 20.0 mm apart, the pads close to 69.5 mm")
+    assert warning.startswith("the desired contacts are 20 mm apart, the pads close to 69.5 mm")
+
+
+def test_a_jaw_of_parallel_pads_that_closes_a_tenth_of_a_millimetre_too_little_is_told(toy: Robot, room: Scene) -> None:
+    """The table of the hand has its ends."""
+    for size, warned in ((0.0694, True), (0.06951, False)):
+        scene = boxed(room, (size, 0.02, 0.02), [[0.5 * size, 0.0, 0.0], [-0.5 * size, 0.0, 0.0]], UP)
+        found = odd(toy, scene.with_task("ball", joint_ranges={"slide_left": (0.03, 0.05)}))
+        told = [warning for warning in found if "the desired contacts are 69.4 mm apart" in warning]
+        assert (len(told) == 1) == warned
+
+
+@pytest.mark.parametrize(("width", "warned"), [(0.0001, True), (0.0009, True), (0.0011, False)])
+def test_desired_contacts_on_faces_too_narrow_for_the_rim_are_warned_of(
+    width: float, warned: bool, toy: Robot, room: Scene
+) -> None:
+    """Half a millimetre from edges needs a face of a whole one."""
+    scene = boxed(room, (0.04, width, 0.04), [[0.02, 0.0, 0.0], [-0.02, 0.0, 0.0]], UP)
+    found = [warning for warning in odd(toy, scene) if "(reserve.rim)" in warning]
+    shown = f"is on a face {1e3 * width:g} mm wide, and contacts keep 0.5 mm from edges"
+    assert [warning.startswith(f"desired contact {number} {shown}") for number, warning in enumerate(found)] == (
+        [True, True] if warned else []
+    )
+
+
+def test_how_wide_faces_are() -> None:
+    cylinder, box = surface_of(Cylinder(radius=0.02, height=0.05)), surface_of(Box(size=(0.02, 0.03, 0.05)))
+    assert widest_room(cylinder.contact_face(np.array([0.02, 0.0, 0.01]))) == pytest.approx(0.025)
+    assert widest_room(cylinder.contact_face(np.array([0.01, 0.0, 0.025]))) == pytest.approx(0.02)
+    assert widest_room(box.contact_face(np.array([0.01, 0.004, 0.01]))) == pytest.approx(0.015)
+    assert widest_room(surface_of(Sphere(radius=0.02)).contact_face(np.array([0.02, 0.0, 0.0]))) == math.inf
 
 
 def test_desired_contacts_that_parallel_pads_cannot_both_face_are_warned_of(toy: Robot, room: Scene) -> None:

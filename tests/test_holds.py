@@ -11,8 +11,9 @@ from pinograsp import ContactPair, Cylinder, Robot, Scene, Sphere
 from pinograsp.geometry.antipodal import Pairs
 from pinograsp.kinematics.wrist import wrist_pose
 from pinograsp.problem import GraspProblem, Hold, TaskModel
+from pinograsp.problem.contact_pairs import proposal
 from pinograsp.problem.pair_holds import HoldFinder
-from pinograsp.problem.proposals import Proposals, proposal
+from pinograsp.problem.proposals import Proposals
 from pinograsp.solve.held_hand import BETWEEN, between, brought, turned, turned_about
 from pinograsp.solve.pair_trials import TURNS, PairTrials
 

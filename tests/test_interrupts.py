@@ -6,13 +6,19 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
+import numpy as np
 import pytest
 
+import pinograsp
+from pinograsp import Robot, Scene
 from pinograsp.execution.workers import Processes
-from pinograsp.interrupts import exit_code, heard, held, taken, watched
+from pinograsp.geometry.shapes import SphereSurface
+from pinograsp.interrupts import exit_code, heard, held, taken, undisguised, watched
 
 
 def ask(number: int = signal.SIGINT) -> None:
@@ -191,8 +197,87 @@ def test_the_first_imports_end_with_a_line(module: str, number: int) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "error: interrupted\n")
 
 
-def test_an_interrupt_within_compiled_code_is_one() -> None:
-    with pytest.raises(KeyboardInterrupt), heard():
-        raise SystemError("returned a result with an exception set") from KeyboardInterrupt()
-    with pytest.raises(SystemError), heard():
+def disguised(depth: int) -> SystemError:
+    """Return what Python makes of an interrupt where so many functions in C return with an exception set."""
+    error: BaseException = KeyboardInterrupt()
+    for _ in range(depth):
+        made = SystemError("returned a result with an exception set")
+        made.__cause__, error = error, made
+    assert isinstance(error, SystemError)
+    return error
+
+
+@pytest.mark.parametrize("context", [heard, undisguised])
+@pytest.mark.parametrize("depth", [1, 2, 5])
+def test_an_interrupt_within_compiled_code_is_one(context: Any, depth: int) -> None:
+    with pytest.raises(KeyboardInterrupt), context():
+        raise disguised(depth)
+    with pytest.raises(SystemError), context():
         raise SystemError("another one")
+    with pytest.raises(SystemError), context():
+        raise SystemError("another one") from ValueError()
+
+
+def test_an_interrupt_within_a_lock_is_one() -> None:
+    with pytest.raises(KeyboardInterrupt), undisguised():
+        try:
+            raise KeyboardInterrupt
+        finally:
+            threading.Lock().release()
+    with pytest.raises(RuntimeError), undisguised():
+        threading.Lock().release()
+    with pytest.raises(ValueError, match="another one"), undisguised():
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            raise ValueError("another one") from None
+
+
+@pytest.mark.parametrize("call", ["check", "contacts", "grasps", "first", "plan"])
+def test_a_script_gets_the_interrupt_and_no_other_error(
+    call: str, gen3: Robot, glovebox: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever the calls of compiled functions are interrupted."""
+
+    def interrupted(*_: object) -> None:
+        raise disguised(2)
+
+    monkeypatch.setattr(SphereSurface, "signed_distance", interrupted)
+    with pinograsp.Planner(gen3, glovebox, workers=1) as planner, pytest.raises(KeyboardInterrupt):
+        if call == "check":
+            planner.check("sphere", np.zeros(8))
+        elif call == "grasps":
+            next(planner.grasps("sphere"))
+        else:
+            getattr(planner, call)("sphere")
+
+
+class Interrupting(Mapping[str, Any]):
+    """Content in which Ctrl-C comes while it is looked at."""
+
+    def __init__(self, content: dict[str, Any]) -> None:
+        self._content = content
+
+    def __getitem__(self, key: str) -> Any:
+        return self._content[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._content)
+
+    def __len__(self) -> int:
+        ask()
+        return len(self._content)
+
+    def keys(self) -> Any:
+        ask()
+        return self._content.keys()
+
+    def items(self) -> Any:
+        ask()
+        return self._content.items()
+
+
+def test_an_interrupt_is_no_error_of_a_scene(glovebox: Scene) -> None:
+    content = glovebox.to_dict()
+    with pytest.raises(KeyboardInterrupt):
+        Scene.from_dict({**content, "objects": Interrupting(content["objects"])})

@@ -267,7 +267,7 @@ def test_a_task_without_a_load_is_refused_where_it_stands(glovebox: Scene, tmp_p
 @pytest.mark.parametrize(
     ("update", "key", "words"),
     [
-        ({"gravity": (0.0, 0.0)}, "gravity", "more values"),
+        ({"gravity": (0.0, 0.0)}, "gravity", "3 values are wanted"),
         ({"gravity": -9.81}, "gravity", "a list is wanted"),
         ({"gravity": (0.0, 0.0, math.nan)}, "gravity[2]", "finite"),
         ({"gravity": None}, "gravity", "a list is wanted"),

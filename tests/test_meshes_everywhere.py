@@ -90,7 +90,8 @@ def test_a_mesh_that_is_gone_or_another_is_named(result: pinograsp.Result, tmp_p
     ):
         with pytest.raises(FileError, match=words) as caught:
             use()
-        assert caught.value.file == file
+        assert caught.value.key == "objects.sphere.shape.file"
+        assert caught.value.problem.startswith(f"{file} ")
 
 
 def test_what_notebooks_show(result: pinograsp.Result, ball: Scene, tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ def test_scale_and_unit(tmp_path: Path) -> None:
     [
         (-1, "shape.scale", "must be greater than 0 (given: -1)"),
         ([1, 1, -1], "shape.scale[2]", "must be greater than 0 (given: -1)"),
-        ([1, 1], "shape.scale", "more values are wanted (2 given)"),
+        ([1, 1], "shape.scale", "3 values are wanted (2 given)"),
         (np.zeros(3), "shape.scale[0]", "must be greater than 0 (given: 0.0)"),
         ("2", "shape.scale", "a number is wanted (given: '2')"),
     ],
@@ -212,12 +212,16 @@ def test_doubled_triangles(tmp_path: Path) -> None:
     for mesh in (read(put(tmp_path, "twice.stl", twice)), read(put(tmp_path, "sides.stl", both_sides))):
         assert len(mesh.faces) == 12
         assert volume(mesh) == pytest.approx(VOLUME, rel=1e-6)
+        assert mesh.findings == ("12 doubled triangles left out",)
+    one_more = bare(one.vertices, np.vstack([one.faces, one.faces[:1]]))
+    assert read(put(tmp_path, "more.stl", one_more)).findings == ("1 doubled triangle left out",)
 
 
 def test_triangles_without_area_are_dropped(tmp_path: Path) -> None:
     one = box()
     faces = np.vstack([one.faces, [[0, 0, 1], [2, 2, 2]]])
-    assert len(read(put(tmp_path, "box.ply", bare(one.vertices, faces))).faces) == 12
+    mesh = read(put(tmp_path, "box.ply", bare(one.vertices, faces)))
+    assert (len(mesh.faces), mesh.findings) == (12, ())
 
 
 def test_small_holes_are_closed_and_said(tmp_path: Path) -> None:
@@ -308,13 +312,16 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "text.glb": (b"hello world\n" * 30, "cannot be read as GLB"),
     "text.dae": (b"hello world\n" * 30, "cannot be read as DAE"),
     "text.off": (b"hello world\n" * 30, "cannot be read as OFF"),
-    "range.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", "a face has the vertex 7, of 3"),
-    "zero.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "a face has the vertex 0, of 3"),
-    "before.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "a face has the vertex -4, of 3"),
+    "range.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", "face 1 has the vertex 7, of 3"),
+    "zero.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "face 1 has the vertex 0, of 3"),
+    "before.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 1 2\n", "face 1 has the vertex -4, of 3"),
     "words.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf one two three\n", "cannot be read as OBJ"),
     "range.off": (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "cannot be read as OFF"),
-    "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
-    "infinite.obj": (b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "1 of 1 triangles have corners that are not finite"),
+    "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has corners that are not finite in 1 of its 1 triangles"),
+    "infinite.obj": (
+        b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "has corners that are not finite in 1 of its 1 triangles",
+    ),
     "cut.ply": (
         b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         b"element face 4\nproperty list uchar int vertex_indices\nend_header\n"
@@ -535,6 +542,7 @@ def test_a_corner_too_far_away_is_refused(far: float, tmp_path: Path) -> None:
     content += "\n" + "\n".join("f " + " ".join(map(str, face)) for face in (mesh.faces + 1).tolist())
     (tmp_path / "far.obj").write_text(content)
     with pytest.raises(
-        FileError, match=f"a corner is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m"
+        FileError,
+        match=f"has a corner that is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m",
     ):
         read(tmp_path / "far.obj", unit="m")

@@ -238,7 +238,7 @@ def test_senseless_regions_are_refused(region: dict[str, Any], words: str) -> No
     [
         (
             {"file": "can.ply", "color": (255, 0, 0)},
-            "nothing in it is painted with color '#ff0000'. Its colours: #969696, #00c800",
+            "has nothing that is painted with color '#ff0000'. Its colours: #969696, #00c800",
         ),
         ({"file": "can.obj", "color": GREEN}, "No triangle has a colour"),
         ({"file": "can.obj", "material": "grap"}, "Materials: Did you mean grip"),

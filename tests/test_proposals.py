@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import meshes
 import numpy as np
 import pytest
+import yaml
 from conftest import Run
 
 import pinograsp
@@ -22,6 +24,7 @@ from pinograsp import (
     Capsule,
     Cone,
     ContactPair,
+    ContactPairs,
     Cuboid,
     Cylinder,
     Ellipsoid,
@@ -38,9 +41,10 @@ from pinograsp import (
 )
 from pinograsp.descriptions.shapes import Mesh
 from pinograsp.descriptions.task import Margins
-from pinograsp.geometry.antipodal import drawn, opposite_points
+from pinograsp.geometry.antipodal import Pairs, drawn, opposite_points
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.grips import grips
+from pinograsp.problem.lone_faces import LoneFaces
 
 ABOVE = (0.80, 0.02, -0.12)
 """A place in the glovebox with nothing near it, m, world."""
@@ -52,7 +56,7 @@ def holding(glovebox: Scene, shape: Any, position: tuple[float, float, float] = 
     return glovebox.with_object("sphere", thing).with_task("sphere", desired_contacts=None, **keys)
 
 
-def proposed(robot: Robot, scene: Scene, **options: Any) -> tuple[ContactPair, ...]:
+def proposed(robot: Robot, scene: Scene, **options: Any) -> ContactPairs:
     return pinograsp.contacts(robot, scene, task="sphere", **options)
 
 
@@ -63,7 +67,7 @@ def refusal(robot: Robot, scene: Scene) -> TaskError:
 
 
 @pytest.fixture(scope="module")
-def box_pairs(gen3: Robot, glovebox: Scene) -> tuple[ContactPair, ...]:
+def box_pairs(gen3: Robot, glovebox: Scene) -> ContactPairs:
     """Pairs of a box of 50 mm x 60 mm x 80 mm with nothing near it."""
     return proposed(gen3, holding(glovebox, Box(size=(0.05, 0.06, 0.08))))
 
@@ -126,6 +130,85 @@ def test_grips_are_those_of_the_jaw(gen3: Robot) -> None:
     nearest = found.nearest(0.05)[0]
     assert abs(found.widths[nearest] - 0.05) == np.abs(found.widths - 0.05).min()
     np.testing.assert_allclose(found.normals.sum(axis=1), 0.0, atol=1e-6)
+
+
+# ---- faces that nothing is opposite to
+
+
+def test_the_side_of_a_cone_is_told_to_have_no_pair(gen3: Robot, glovebox: Scene) -> None:
+    """Opposite lines of it are turned by twice the half angle, atan(18 / 60), and pads stay parallel."""
+    cone = Cone(bottom_radius=0.03, top_radius=0.012, height=0.06)
+    pairs = proposed(gen3, holding(glovebox, cone), most=5)
+    assert axes(pairs) == {"z"}
+    (remark,) = pairs.remarks
+    share = int(remark.split(" ")[0])
+    flank, bottom, top = math.pi * 0.042 * math.hypot(0.018, 0.06), math.pi * 0.03**2, math.pi * 0.012**2
+    assert share == pytest.approx(100.0 * (flank + bottom - top) / (flank + bottom + top), abs=3)
+    turned = math.degrees(2.0 * math.atan2(0.018, 0.06))
+    assert remark.endswith(
+        f" % of the surface has no pair: what is opposite is turned by {turned:.3g} ° or more, "
+        "and the pads stay parallel, within 0.5 °"
+    )
+
+
+def test_a_cone_on_the_floor_is_told_why_no_other_pairs_are_there(gen3: Robot, glovebox: Scene) -> None:
+    cone = Cone(bottom_radius=0.03, top_radius=0.012, height=0.06)
+    floor = glovebox.enclosure.min[2]
+    refused = refusal(gen3, holding(glovebox, cone, (0.75, 0.0, floor + 0.0301)))
+    assert "the hand gets at none" in refused.problem
+    assert "turned by 33.4 ° or more, and the pads stay parallel" in refused.problem
+    pointed = refusal(gen3, holding(glovebox, Cone(bottom_radius=0.03, top_radius=0.0, height=0.06)))
+    assert "; 100 % of the surface has no pair: what is opposite is turned by 53.1 ° or more" in pointed.problem
+
+
+def test_shapes_with_opposite_faces_get_no_remark(box_pairs: ContactPairs) -> None:
+    assert box_pairs.remarks == ()
+    again = pickle.loads(pickle.dumps(ContactPairs(box_pairs, ("some",))))
+    assert (again.remarks, len(again), type(again)) == (("some",), len(box_pairs), ContactPairs)
+
+
+def pair_at(angle: float, height: float) -> tuple[list[list[float]], list[list[float]]]:
+    """Return opposite points of a cone about z of a half angle, rad, at a height."""
+    across, up = math.cos(angle), math.sin(angle)
+    return [[1.0, 0.0, height], [-1.0, 0.0, height]], [[across, 0.0, up], [-across, 0.0, up]]
+
+
+def test_friction_is_named_where_pads_may_turn() -> None:
+    angles = [0.1, 0.4, 0.6, 0.7]
+    points, normals = zip(*(pair_at(angle, height) for height, angle in enumerate(angles)), strict=True)
+    pairs = Pairs(np.array(points), np.array(normals))
+    lone = LoneFaces(math.atan(0.5), None)
+    lone.see(pairs)
+    assert lone.remarks(0.5) == (
+        "50 % of the surface has no pair: the line to what is opposite leans by up to "
+        f"{math.degrees(0.7):.3g} °, and friction 0.5 holds 26.6 °",
+    )
+    parallel = LoneFaces(math.atan(0.5), 0.3)
+    parallel.see(pairs)
+    assert parallel.remarks(0.5) == (
+        f"75 % of the surface has no pair: what is opposite is turned by {math.degrees(0.8):.3g} ° or more, "
+        "and the pads stay parallel, within 17.2 °",
+    )
+
+
+def test_a_point_with_one_pair_that_fits_is_none_without() -> None:
+    """Rays leave a body first, and last."""
+    points, normals = pair_at(0.0, 0.0)
+    others, turned = pair_at(0.5, 0.0)
+    lone = LoneFaces(math.atan(0.5), 0.01)
+    lone.see(Pairs(np.array([points, others]), np.array([normals, turned])))
+    assert lone.remarks(0.5) == ()
+
+
+def test_the_command_tells_it(glovebox: Scene, run: Run, tmp_path: Path) -> None:
+    scene = holding(glovebox, Cone(bottom_radius=0.03, top_radius=0.012, height=0.06))
+    file = tmp_path / "cone.yaml"
+    file.write_text(yaml.safe_dump(scene.to_dict()))
+    code, out, _ = run("contacts", file, "--task", "sphere", "--most", 2)
+    assert code == 0
+    assert "of the surface has no pair: what is opposite is turned by 33.4 ° or more" in " ".join(out.split())
+    code, out, _ = run("contacts", file, "--task", "sphere", "--most", 2, "--json")
+    assert [remark.split(":")[0][-8:] for remark in json.loads(out)["remarks"]] == [" no pair"]
 
 
 # ---- pairs of objects

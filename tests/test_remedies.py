@@ -213,6 +213,35 @@ def test_a_wider_jaw_is_a_narrower_object(room: Scene, shape: Any, narrower: Any
 
 
 @pytest.mark.parametrize(
+    ("half", "sizes"),
+    [(0.05, (0.016, 0.032)), (0.0565, (0.032,)), (0.06, ()), (0.04, (0.001, 0.002, 0.004, 0.008, 0.016, 0.032))],
+)
+@pytest.mark.parametrize("desired", [True, False])
+def test_no_jaw_is_tried_that_cannot_be_wide_enough(
+    half: float, sizes: tuple[float, ...], desired: bool, room: Scene
+) -> None:
+    """One that opens to 85 mm, at an object of 100 mm: 15 mm are missing. Of one of 120 mm more than is tried is."""
+    points = ((half, 0.0, 0.0), (-half, 0.0, 0.0)) if desired else None
+    ball = Object(shape=Box(size=(2.0 * half, 0.2, 0.2)))
+    scene = room.with_object("ball", ball).with_task("ball", desired_contacts=points)
+    found = suitable(Failure(scene, "ball", np.zeros(3), (), ("objects.shape",), jaw=(0.0, 0.085)))
+    assert [change.sizes for change in found if change.kind == "jaw"] == ([sizes] if sizes else [])
+
+
+def test_a_change_that_cannot_be_made_is_not_said_to_be_tried(toy: Robot, room: Scene) -> None:
+    """A cone is not made narrower between desired contacts."""
+    cone = Object(shape=Cone(bottom_radius=0.03, top_radius=0.02, height=0.05), pose=room.objects["ball"].pose)
+    scene = room.with_object("ball", cone).with_task("ball", desired_contacts=((0.025, 0, 0), (-0.025, 0, 0)))
+    failure = Failure(scene, "ball", np.zeros(3), (), ("pad tangency",), jaw=(0.0, 0.137))
+    assert [change.kind for change in suitable(failure)].count("jaw") == 1
+    with Planner(toy, scene, workers=1) as planner:
+        database = planner._databases.of(scene, scene.task("ball").margin)
+        trials = Trials(toy, database, "ball", SolverOptions(), 0, math.inf)
+        outcomes = [outcome.kind for outcome in remedies(failure, trials, no_report)]
+    assert "jaw" not in outcomes
+
+
+@pytest.mark.parametrize(
     ("jaw", "radii"), [((0.07, 0.1), [0.032]), ((0.0, 0.05), [0.028]), ((0.062, 0.1), [0.032]), (None, [0.028])]
 )
 def test_what_is_thinner_than_the_jaw_closes_is_made_wider(

@@ -345,7 +345,7 @@ BAD: list[tuple[Callable[[], object], str, list[str]]] = [
     (lambda: Sphere(), "radius", ["missing"]),  # type: ignore[call-arg]
     (lambda: Sphere(raduis=1), "raduis", ["unknown key", "Did you mean radius"]),  # type: ignore[call-arg]
     (lambda: Sphere(type="box", radius=1), "type", ["'sphere'"]),  # type: ignore[arg-type]
-    (lambda: Box(size=(1.0, 1.0)), "size", ["more values", "2 given"]),  # type: ignore[arg-type]
+    (lambda: Box(size=(1.0, 1.0)), "size", ["3 values are wanted", "2 given"]),  # type: ignore[arg-type]
     (lambda: Box(size={1.0, 2.0, 3.0}), "size", ["a list is wanted"]),  # type: ignore[arg-type]
     (lambda: Box(size="123"), "size", ["a list is wanted"]),  # type: ignore[arg-type]
     (lambda: Box(size=np.zeros((3, 1))), "size[0]", ["a number"]),  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from ..compiled import compiling
+from ..descriptions.mesh_keys import mesh_keys
 from ..errors import require_kind, require_report, whole_number
 from ..execution import Workers, own_workers
 from ..interrupts import heard, taken
@@ -57,7 +58,11 @@ def assess(
     require_report(progress)
     samples, seed = whole_number("samples", samples, 1, MOST), whole_number("seed", seed, 0, None)
     running = own_workers(workers)
-    with heard(), compiling(progress):  # all that has to be compiled is, before processes begin
+    with (
+        heard(),
+        compiling(progress),
+        mesh_keys(grasp.required_setup.scene),
+    ):  # all that has to be compiled is, before processes begin
         judge = Judge(grasp)
         sizes = (errors or Errors()).for_task(judge.task.contact.friction)
         drawn = draws(sizes, samples, len(grasp.q_arm), seed)

@@ -217,12 +217,12 @@ class Closing:
             moving = free & ~((place.z <= lower) & (gradient > 0.0)) & ~((place.z >= upper) & (gradient < 0.0))
             H = J[:, moving].T @ J[:, moving] + np.diag(weights[moving] ** 2 + damping * weights[moving])
             step = np.zeros_like(place.z)
-            step[moving] = -np.linalg.solve(H, gradient[moving])
+            step[moving] = -_solution(H, gradient[moving])
             trial = self._place(q_arm, T_displaced, np.clip(place.z + step, lower, upper))
             length = float(np.abs(trial.z - place.z).max())
             trial_square = _square(trial, weights, origin)
             if trial_square > square:  # the conditions curve away from the step: back onto them
-                step[moving] = -np.linalg.solve(H, (J.T @ trial.values / CONTACT)[moving])
+                step[moving] = -_solution(H, (J.T @ trial.values / CONTACT)[moving])
                 trial = self._place(q_arm, T_displaced, np.clip(trial.z + step, lower, upper))
                 trial_square = _square(trial, weights, origin)
             gained = square - trial_square
@@ -233,6 +233,14 @@ class Closing:
             if length < DONE or 0.0 <= gained < GAIN:
                 break
         return place
+
+
+def _solution(H: Array, gradient: Array) -> Array:
+    """Return the solution of H x = gradient; the shortest one where what damps H is lost in rounding."""
+    try:
+        return np.asarray(np.linalg.solve(H, gradient))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(H, gradient, rcond=None)[0])
 
 
 def _square(place: _Place, weights: Array, origin: Array) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -70,6 +70,7 @@ def contacts(
         "task": task,
         "seed": seed,
         "pairs": [pair.to_json() for pair in found],
+        "remarks": list(found.remarks),
     }
     saved = [] if out is None else list(_saved(found, content, described, out))
     where = f"{thing}, {model.description.name} in {described.name}"
@@ -79,7 +80,7 @@ def contacts(
 
 
 def _saved(
-    found: Sequence[pinograsp.ContactPair], content: dict[str, Any], scene: pinograsp.Scene, folder: Path
+    found: pinograsp.ContactPairs, content: dict[str, Any], scene: pinograsp.Scene, folder: Path
 ) -> Iterator[str]:
     name = content["task"] or content["object"]
     file = folder / file_name(content["scene"], name, content["robot"], "contacts", suffix="json")
@@ -88,7 +89,7 @@ def _saved(
     yield save(page, lambda: pinograsp.visualization.write_contacts_html(found, scene, content["object"], page))
 
 
-def _report(found: Sequence[pinograsp.ContactPair], where: str, terminal: Terminal) -> None:
+def _report(found: pinograsp.ContactPairs, where: str, terminal: Terminal) -> None:
     from ..tables import Table
 
     table = Table(f"proposed contacts: {where}")
@@ -97,3 +98,5 @@ def _report(found: Sequence[pinograsp.ContactPair], where: str, terminal: Termin
         points = ("".join(f"{1e3 * x:8.1f}" for x in point) for point in pair.points)
         table.add(str(number), f"{1e3 * pair.width:.1f}", *points)
     terminal.table(table)
+    for remark in found.remarks:
+        terminal.say(remark)

@@ -106,11 +106,7 @@ def hold(
     }
     with as_options(as_given):
         options = HoldOptions(**values, squeeze=squeeze, first_slip=first_slip, controls=controls)
-    if best is not None and grasp is not None:
-        raise pinograsp.InputError("is given with --best", key="--grasp", remedy="Give one of them")
-    if (mjcf or film) and out is None:
-        key = "--mjcf" if mjcf else "--film"
-        raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
+    _require_fitting(best, grasp, {"--mjcf": mjcf, "--film": film}, out)
     result = read_result(file, terminal)
     grasps, first = _chosen(result, file, best, grasp)
     if out is not None:
@@ -125,16 +121,32 @@ def hold(
     if len(outcomes) < len(grasps):
         raise typer.Exit(exit_code())
     if out is not None:
-        names = (result.scene, result.task, result.robot)
-        model, frames = (out / file_name(*names, f"grasp{first}", suffix=suffix) for suffix in ("xml", "gif"))
+        names = (result.scene, result.task, result.robot, f"grasp{first}")
         if mjcf:
-            terminal.say(save(model, lambda: pinograsp.write_mjcf(grasps[0], model, options)))
+            _write_model(grasps[0], options, out / file_name(*names, suffix="xml"), terminal)
         if film:
-            with terminal.progress() as progress:
-                drawn = save(frames, lambda: pinograsp.write_film(grasps[0], frames, options, progress=progress))
-            terminal.say(drawn)
+            _write_film(grasps[0], options, out / file_name(*names, suffix="gif"), terminal)
     if not all(outcome.held and not any(outcome.controls.values()) for outcome in outcomes):
         raise typer.Exit(NOT_HELD)
+
+
+def _require_fitting(best: int | None, grasp: int | None, files: dict[str, bool], out: Path | None) -> None:
+    """Refuse options that do not go together, and files of some options without a folder."""
+    if best is not None and grasp is not None:
+        raise pinograsp.InputError("is given with --best", key="--grasp", remedy="Give one of them")
+    for key, wanted in files.items():
+        if wanted and out is None:
+            raise pinograsp.InputError("is a file to write", key=key, remedy="Give its folder with --out")
+
+
+def _write_model(grasp: pinograsp.Grasp, options: HoldOptions, file: Path, terminal: Terminal) -> None:
+    terminal.say(save(file, lambda: pinograsp.write_mjcf(grasp, file, options)))
+
+
+def _write_film(grasp: pinograsp.Grasp, options: HoldOptions, file: Path, terminal: Terminal) -> None:
+    with terminal.progress() as progress:
+        drawn = save(file, lambda: pinograsp.write_film(grasp, file, options, progress=progress))
+    terminal.say(drawn)
 
 
 def _chosen(

@@ -107,11 +107,8 @@ def plan(
     """
     terminal = Terminal(as_json, quiet)
     described = read_scene(scene, task, object_pose, lock)
-    quick = given(most=most, deadline=deadline)
-    whole = given(starts=starts, seed=seed)
-    if quick and whole:
-        of, other = next(iter(whole)), next(iter(quick))
-        raise pinograsp.InputError(f"is given with --{other}", key=f"--{of}", remedy="Give one of them")
+    quick, whole = given(most=most, deadline=deadline), given(starts=starts, seed=seed)
+    _require_one_kind(quick, whole)
     solver = given(
         algorithm=algorithm,
         max_evaluations=max_evaluations,
@@ -131,17 +128,26 @@ def plan(
         model = read_robot(robot)
         session: dict[str, Any] = {"workers": workers, "options": options, "database": database, "progress": progress}
         with held():
-            if quick:
-                with pinograsp.Planner(model, described, **session) as planner:
-                    result = planner.first(task, **quick)
-            else:
-                result = pinograsp.plan(model, described, task, **whole, **session)
+            with pinograsp.Planner(model, described, **session) as planner:
+                result = planner.first(task, **quick) if quick else planner.plan(task, **whole)
             if result.interrupted and not result.done:  # what an earlier plan found is worth more
                 raise KeyboardInterrupt
             written = saved(_files(result, out, rank_by, html))
     terminal.find(lambda: encode(result), lambda: _report(result, terminal, rank_by))
     for line in written:
         terminal.say(line)
+    _exit(result)
+
+
+def _require_one_kind(quick: dict[str, Any], whole: dict[str, Any]) -> None:
+    """Refuse options of the first few grasps beside those of a whole plan."""
+    if quick and whole:
+        of, other = next(iter(whole)), next(iter(quick))
+        raise pinograsp.InputError(f"is given with --{other}", key=f"--{of}", remedy="Give one of them")
+
+
+def _exit(result: pinograsp.Result) -> None:
+    """End with the exit code of a result without grasps, or of one that was interrupted."""
     if result.interrupted:
         raise typer.Exit(exit_code())
     if not result.grasps:

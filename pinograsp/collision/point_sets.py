@@ -18,7 +18,8 @@ from ..geometry.hulls import Hull
 from ..geometry.patches import above, face_normal, face_point, face_ranges, rectangle
 from ..geometry.point_trees import PointTrees, point_trees
 from ..geometry.primitives import primitive_triangles
-from ..kinematics.robot import Pad, Robot
+from ..kinematics.pads import Pad
+from ..kinematics.robot import Robot
 from ..memo import remembered
 from .pairs import PlacedSolid, pads_before
 from .solids import link_bodies

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..descriptions import Scene, Task
 from ..descriptions.bodies import Object
+from ..descriptions.mesh_keys import mesh_keys
 from ..descriptions.task import Margins
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
@@ -23,7 +24,8 @@ def enclosure_world(robot: Robot, scene: Scene, margins: Margins) -> World:
         scene: the scene.
         margins: least distances.
     """
-    obstacles = [scene_body("obstacle", name, body) for name, body in scene.obstacles.items()]
+    with mesh_keys(scene):
+        obstacles = [scene_body("obstacle", name, body) for name, body in scene.obstacles.items()]
     return World(
         bodies=(*link_bodies(robot), *wall_bodies(scene.enclosure), *obstacles),
         margins={"wall": margins.enclosure, "obstacle": margins.enclosure, "link": margins.robot},

@@ -17,7 +17,7 @@ from ..descriptions.task import Margins
 from ..disk import is_file, make_way
 from ..errors import DamagedError, DatabaseMismatchError, FileError
 from ..kinematics.robot import Robot
-from ..progress import Report, no_report
+from ..progress import Progress, Report, no_report
 from .build import build_database
 from .identity import Identity
 from .lock import building
@@ -51,6 +51,7 @@ def cached_database(
 
     def built(folder: Path) -> Database:
         file, unfinished = folder / name, folder / f".{name}.unfinished"
+        progress(Progress("start database", 0, SIZE))  # before it waits for who builds it already
         with building(file, wait=True):
             if (there := _there(file, identity)) is not None:  # another process has built it meanwhile
                 return there

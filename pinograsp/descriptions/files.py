@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from ..disk import content_of, digest
 from ..errors import FileError, InputError
+from ..interrupts import held
 from .mesh_files import SCENE_FILE
 from .model import Root
 from .problems import KeyPath, dotted, input_error, refuse_internal
@@ -79,7 +80,8 @@ def read_file(file: Path, model: type[Root]) -> Root:
     refuse_internal(content, file=file, lines=lines.of)
     try:
         whole = {"format": ABSENT, **content, "source": file, "digest": digest(data)}
-        return model.model_validate(whole, context={SCENE_FILE: file})
+        with held():  # pydantic would take an interrupt for an error in the file
+            return model.model_validate(whole, context={SCENE_FILE: file})
     except ValidationError as error:
         raise input_error(error, model, content, file=file, lines=lines.of) from None
 

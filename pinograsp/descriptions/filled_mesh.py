@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 
 from ..errors import FileError
+from .mesh_damage import unreadable
 from .mesh_files import metres_in_unit
 from .obj_indices import counted_from_first
 
@@ -50,7 +51,7 @@ def filled(mesh: Mesh) -> Filled:
             corners = np.array(whole.vertices, dtype=np.float64)[np.array(whole.faces)] * mesh.scales
         stated = _stated(str(whole.metadata.get("units", "")))
     except Exception as error:  # parsers that are given any bytes raise errors of any class
-        raise FileError(f"cannot be read: {error}", file=mesh.file) from None
+        raise unreadable(content, mesh.file) from error
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     middle = 0.5 * (low + high)
     a, b, c = (corners - middle).transpose(1, 0, 2)

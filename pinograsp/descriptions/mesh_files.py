@@ -171,17 +171,24 @@ def _digest(file: Path) -> str:
 
 def mesh_files(part: object, key: str = "") -> Iterator[tuple[str, MeshFile]]:
     """Yield the mesh files that a part of a scene names, however deep, each with its key path."""
-    if isinstance(part, MeshFile) and part.file is not None:
-        yield f"{key}.file" if key else "file", part
+    for path, mesh in described_meshes(part, key):
+        if mesh.file is not None:
+            yield f"{path}.file" if path else "file", mesh
+
+
+def described_meshes(part: object, key: str = "") -> Iterator[tuple[str, MeshFile]]:
+    """Yield what a part of a scene says of meshes, however deep, those that name no file too, with its key path."""
+    if isinstance(part, MeshFile):
+        yield key, part
     elif isinstance(part, Frozen):
         for name, inner in part.fields().items():
-            yield from mesh_files(inner, f"{key}.{name}" if key else name)
+            yield from described_meshes(inner, f"{key}.{name}" if key else name)
     elif isinstance(part, Mapping):
         for name, inner in part.items():
-            yield from mesh_files(inner, f"{key}.{name}" if key else name)
+            yield from described_meshes(inner, f"{key}.{name}" if key else name)
     elif isinstance(part, tuple):
         for index, inner in enumerate(part):
-            yield from mesh_files(inner, f"{key}[{index}]")
+            yield from described_meshes(inner, f"{key}[{index}]")
 
 
 def content_hashes(part: object) -> dict[str, str]:

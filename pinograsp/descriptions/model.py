@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from ..interrupts import held
 from .problems import input_error, refuse_internal
 from .values import FilePath
 
@@ -40,7 +41,8 @@ class Frozen(BaseModel):
             InputError: a key is unknown or missing, or a value is wrong; the message names the key.
         """
         try:
-            return cls.model_validate(content)
+            with held():  # pydantic would take an interrupt for an error in the content
+                return cls.model_validate(content)
         except ValidationError as error:
             raise input_error(error, cls, content) from None
 

@@ -62,7 +62,8 @@ def input_error(
         file: that the content was read from.
         lines: of the file, by key path.
     """
-    first = min(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden")
+    problems = error.errors()
+    first = min(problems, key=lambda problem: problem["type"] != "extra_forbidden")
     path: KeyPath = first["loc"]
     context = first.get("ctx", {})
     remedy: str | None = None
@@ -72,6 +73,9 @@ def input_error(
         case "missing" if isinstance(path[-1], str):
             path, added = path[:-1], path[-1:]
             problem, remedy = "this key is missing", "Add it"
+        case "missing":  # of a list, each value that is
+            wanted = 1 + max(int(each["loc"][-1]) for each in problems if each["loc"][:-1] == path[:-1])
+            problem = f"{wanted} values are wanted ({len(first['input'])} given)"
         case "union_tag_not_found":
             added = (context["discriminator"].strip("'"),)
             problem, remedy = "this key is missing", "Add it"
@@ -124,8 +128,6 @@ def _in_words(problem: ErrorDetails, *, in_file: bool) -> str:
     match problem["type"]:
         case "value_error":
             return str(context["error"])
-        case "missing":
-            return f"more values are wanted ({len(given)} given)"
         case "too_long":
             return f"no more than {context['max_length']} values are wanted ({context['actual_length']} given)"
         case "too_short":

@@ -15,7 +15,8 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from ..arrays import Rows
 from ..disk import digest
-from ..errors import InputError, TaskError, UnknownNameError, close_names, require_kind
+from ..errors import InputError, UnknownNameError, close_names, require_kind
+from ..interrupts import held
 from .bodies import Body, Object
 from .enclosure import Enclosure
 from .mesh_files import CONTENT, content_hashes
@@ -24,10 +25,10 @@ from .pose import Pose
 from .problems import INTERNAL, refuse_internal
 from .regions import Region, on_object
 from .scene_html import scene_html
+from .scene_references import check_references
 from .task import Task, Wrench
 from .values import (
     ABSENT,
-    FARTHEST,
     FileName,
     FilePath,
     Format1,
@@ -36,9 +37,8 @@ from .values import (
     Vector3,
     as_default,
     empty,
-    wrong,
-    wrong_name,
 )
+from .weight import weight_of
 
 Part = TypeVar("Part", bound=Frozen)
 STANDARD_GRAVITY = 9.80665
@@ -78,22 +78,7 @@ class Scene(FileRoot):
 
     @model_validator(mode="after")
     def _references(self) -> Self:
-        for name, task in self.tasks.items():
-            if task.object not in self.objects:
-                problem = f"no object {task.object!r} is defined"
-                raise wrong_name(problem, task.object, list(self.objects), "tasks", name, "object")
-            try:
-                self.wrench_of(task)
-            except InputError as error:
-                raise wrong(error.problem, "tasks", name, remedy=error.remedy) from None
-            try:
-                self.region_of(task)
-            except InputError as error:
-                key = "forbidden_contacts" if task.allowed_contacts is None else "allowed_contacts"
-                raise wrong(error.problem, "tasks", name, key, remedy=error.remedy) from None
-        for name in self.obstacles:
-            if name in self.objects:
-                raise wrong("an object has the same name", "obstacles", name, remedy="Rename one of them")
+        check_references(self)
         return self
 
     @model_validator(mode="after")
@@ -135,7 +120,8 @@ class Scene(FileRoot):
     def _to_dict(self, context: Any = None) -> dict[str, Any]:
         # Without the gravity of scenes that say nothing about it, whose digests are older than this key.
         standard = {"gravity"} if self.gravity == DOWN else set()
-        return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
+        with held():  # pydantic would make an error of the scene of an interrupt
+            return self.model_dump(mode="json", exclude={*INTERNAL, *standard}, exclude_none=True, context=context)
 
     def task(self, name: str) -> Task:
         """Return a task by name.
@@ -267,17 +253,8 @@ class Scene(FileRoot):
         """
         if task.wrench is not None:
             return task.wrench
-        mass = self._named("object", task.object, self.objects).mass
-        if mass is None:
-            problem = f"no wrench is given, and object {task.object!r} has no mass that would weigh"
-            remedy = f"Give `objects.{task.object}.mass` in kg, or a wrench"
-            raise TaskError(problem, file=self.source, key=f"objects.{task.object}.mass", remedy=remedy)
-        x, y, z = (mass * g for g in self.gravity)
-        if max(abs(x), abs(y), abs(z)) > FARTHEST:
-            problem, key = f"object {task.object!r} weighs more than {FARTHEST:g} N", f"objects.{task.object}.mass"
-            remedy = f"Correct `{key}` (kg) or `gravity` (m/s^2)"
-            raise TaskError(problem, file=self.source, key=key, remedy=remedy)
-        return Wrench(force=(x, y, z))
+        self._named("object", task.object, self.objects)
+        return weight_of(self, task.object)
 
     def region_of(self, task: Task) -> Region | None:
         """Return the part of the object's surface that contacts must be on; None: all of it.

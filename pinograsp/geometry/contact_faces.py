@@ -113,6 +113,18 @@ def edge_distance(face: ContactFace, point: Array) -> tuple[float, Array]:
     return NO_EDGE
 
 
+def widest_room(face: ContactFace) -> float:
+    """Return how far from the edges of a contact face no point of it is farther, m; infinite without edges."""
+    match face:
+        case Ruling():
+            return 0.5 * (face.high - face.low) if all(face.sharp) else math.inf
+        case Flat(radius=float(radius)):
+            return radius
+        case Flat():  # half of its least width
+            return 0.5 * float(face.room(face.corners).max(axis=0).min())
+    return math.inf
+
+
 def clipped(first: Flat, second: Flat) -> Array:
     """Return the corners of the part of a polygon that another one covers, in order; empty if there is none.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import re
 import warnings
 from dataclasses import dataclass, field, replace
@@ -14,8 +13,10 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array, Indices, Integers
+from ..descriptions.mesh_damage import are_numbers, damage, off_rows, unreadable
 from ..errors import FileError
 from .obj_file import NONE, parse_obj
+from .ply_colors import require_colors
 
 MOST_BYTES = 200_000_000
 """Largest file that is read; text takes eight times its size in memory while it is read."""
@@ -88,9 +89,11 @@ def read_content(file: Path, content: bytes, most: int | None = None) -> MeshCon
     except FileError as error:
         raise FileError(error.problem, file=file, remedy=error.remedy) from None
     except Exception as error:  # parsers that are given any bytes raise errors of any class
-        said = _said(error)
-        remedy = "Is it a whole file, and of the kind that its suffix says?"
-        raise FileError(f"cannot be read as {kind.upper()} ({said})", file=file, remedy=remedy) from None
+        raise unreadable(content, file) from error
+    if not len(found.faces):
+        cause = damage(content, kind)
+        problem = "has no triangles" if cause is None else f"has no triangles: {cause}"
+        raise FileError(problem, file=file, remedy="Is it of the kind that its suffix says?")
     return _required(found, file, most)
 
 
@@ -103,29 +106,18 @@ def require_near(corners: Array, file: Path, remedy: str) -> None:
         remedy: what to look at.
     """
     if not (farthest := float(np.abs(corners).max())) <= FARTHEST:
-        problem = f"a corner is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
+        problem = f"has a corner that is {farthest:.3g} m from its origin, more than {FARTHEST:g} m"
         raise FileError(problem, file=file, remedy=remedy)
-
-
-def _said(error: Exception) -> str:
-    """Return what a parser complains of, in words."""
-    if isinstance(error, json.JSONDecodeError):
-        return f"its JSON part is damaged at character {error.pos} of {len(error.doc)}"
-    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-    return said if len(said) <= 200 else said[:200] + " ..."
 
 
 def _required(found: MeshContent, file: Path, most: int) -> MeshContent:
     """Refuse content that is no triangles."""
-    if not len(found.faces):
-        raise FileError("has no triangles", file=file, remedy="Is it of the kind that its suffix says?")
     _require_few(len(found.faces), most, file)
     corners = found.vertices[found.faces]  # every index was looked at
     bad = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
     if len(bad):
-        problem = (
-            f"{len(bad)} of {len(corners)} triangles have corners that are not finite, the first is number {bad[0]}"
-        )
+        problem = f"has corners that are not finite in {len(bad)} of its {len(corners)} triangles"
+        problem += f"; the first is number {bad[0]}"
         raise FileError(problem, file=file, remedy="Export it again, or remove them")
     return found
 
@@ -144,13 +136,19 @@ def _of_obj(content: bytes) -> MeshContent:
 
 
 def _require_whole_stl(content: bytes, most: int) -> None:
-    """Refuse a binary STL file that is cut off; its parser takes it for text.
+    """Refuse an STL file that is cut off: its parser takes a binary one for text, and drops the last part of a text.
 
-    The number of triangles comes after 80 bytes, and 50 bytes for each. A number beyond `most` is that of another kind.
+    In a binary one the number of triangles comes after 80 bytes, and 50 bytes for each. A number beyond `most` is that
+    of another kind.
     """
     told, there = int.from_bytes(content[80:84], "little"), max(0, (len(content) - 84) // 50)
-    if not content.lstrip()[:5].lower() == b"solid" and there < told <= most:
-        raise FileError(f"is cut off: {there} of {told} triangles are there", remedy="Copy or export it again")
+    if content.lstrip()[:5].lower() != b"solid":
+        if there < told <= most:
+            raise FileError(f"is cut off: {there} of {told} triangles are there", remedy="Copy or export it again")
+    elif there != told:
+        text = content.lower()
+        if text.rfind(b"endsolid") < text.rfind(b"vertex"):
+            raise FileError("is cut off: its last part has no endsolid", remedy="Copy or export it again")
 
 
 def _require_whole_ply(content: bytes) -> None:
@@ -164,21 +162,22 @@ def _require_whole_ply(content: bytes) -> None:
             raise FileError(problem, remedy="Export it again")
 
 
-def _require_whole_colors(content: bytes) -> None:
-    """Refuse a PLY file of which an element has some of the three colours only."""
-    for element in content.partition(b"end_header")[0].split(b"\nelement ")[1:]:
-        names = set(re.findall(rb"^property\s+\w+\s+(red|green|blue)\s*$", element, re.MULTILINE))
-        missing = sorted({b"red", b"green", b"blue"} - names)
-        if names and missing:
-            colors = " and ".join(name.decode() for name in missing)
-            problem = f"has colours without {colors} in its element {element.split()[0].decode('ascii', 'replace')}"
-            raise FileError(problem, remedy="Export it again, with red, green and blue or without colours")
+def _require_whole_off(content: bytes) -> None:
+    """Refuse an OFF file that ends before all that it announces: its parser takes the faces that are there."""
+    rows = off_rows(content)
+    if rows and are_numbers(rows[0].split(), 2, np.int64):
+        corners, faces = (int(word) for word in rows[0].split()[:2])
+        if len(rows) - 1 < corners + faces:
+            problem = f"is cut off: it announces {corners} corners and {faces} faces, and {len(rows) - 1} lines follow"
+            raise FileError(problem, remedy="Copy or export it again")
 
 
 def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
     if kind == "ply":
         _require_whole_ply(content)
-        _require_whole_colors(content)
+        require_colors(content)
+    elif kind == "off":
+        _require_whole_off(content)
     elif kind == "stl":
         _require_whole_stl(content, most)
     # Bytes, so that nothing is read but what was hashed: no textures and buffers in other files.
@@ -197,7 +196,8 @@ def _of_others(content: bytes, kind: str, most: int) -> MeshContent:
     for name, T, mesh, geometry in placed:
         own, corners = np.array(mesh.faces, dtype=np.int64), np.array(mesh.vertices, dtype=np.float64)
         if len(own) and not 0 <= own.min() <= own.max() < len(corners):
-            raise ValueError(f"a triangle has a vertex beyond the {len(corners)} that there are")
+            problem = f"has a triangle with the vertex {max(own.max(), -own.min())}, of {len(corners)}"
+            raise FileError(problem, remedy="Export it again")
         if np.linalg.det(T[:3, :3]) < 0.0:
             own = own[:, ::-1]
         vertices.append(corners @ T[:3, :3].T + T[:3, 3])
@@ -229,7 +229,7 @@ def _stated(scene: Any) -> float:
     found = {float(match[1]) for unit in units if (match := re.fullmatch(r"([0-9.eE+-]+) \* meters", unit))}
     metres = found.pop() if len(found) == 1 else 1.0
     if not 0.0 < metres < np.inf:
-        raise ValueError(f"a unit of {metres:g} m")
+        raise FileError(f"states a unit of {metres:g} m", remedy="Export it again in metres")
     return metres
 
 

@@ -59,9 +59,10 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
     """
     vertices, faces = _merged(vertices, faces)
     _require_extent(vertices)
-    faces, origin = _once(faces)
+    faces, origin, doubled = _once(faces)
     faces, turned = _consistent(vertices, faces)
-    findings = [f"{number_of(turned, 'triangle')} against the direction of their neighbours turned"] if turned else []
+    findings = [f"{number_of(doubled, 'doubled triangle')} left out"] if doubled else []
+    findings += [f"{number_of(turned, 'triangle')} against the direction of their neighbours turned"] if turned else []
     faces, inside_out = _outward(vertices, faces)
     findings += inside_out
     vertices, caps, holes = hole_caps(vertices, faces, largest_hole)
@@ -99,10 +100,14 @@ def _require_extent(vertices: Array) -> None:
         raise NoBodyError("lies in one plane and encloses no volume", "A body has a thickness; model it as a solid")
 
 
-def _once(faces: Integers) -> tuple[Integers, Indices]:
+def _once(faces: Integers) -> tuple[Integers, Indices, int]:
     """Return triangles once that are there several times, and not those of both directions, which enclose nothing.
 
     If that is all of them, as where both sides of every triangle are to be seen, one of each direction is kept.
+
+    Returns:
+        Triangles, their indices in those given, and how many were left out, those with two corners at one place not
+        counted.
     """
     real = np.flatnonzero((faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0]))
     ordered = np.sort(faces[real], axis=1)
@@ -119,7 +124,7 @@ def _once(faces: Integers) -> tuple[Integers, Indices]:
     chosen = np.sort(chosen[chosen < len(real)])
     if not len(chosen):
         chosen = np.sort(first)
-    return faces[real[chosen]], real[chosen]
+    return faces[real[chosen]], real[chosen], len(real) - len(chosen)
 
 
 def _consistent(vertices: Array, faces: Integers) -> tuple[Integers, int]:

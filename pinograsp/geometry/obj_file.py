@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Integers
+from ..descriptions.mesh_damage import are_numbers, quoted
+from ..errors import FileError
 
 _BEHIND_SLASH = re.compile(r"/\S*")
 NONE = -1
@@ -41,7 +43,7 @@ def parse_obj(content: bytes) -> ObjContent:
     """Return the content of an OBJ file.
 
     Raises:
-        ValueError: it is none.
+        FileError: it is none; it names no file.
     """
     corners: list[str] = []
     polygons: list[str] = []
@@ -76,12 +78,21 @@ def parse_obj(content: bytes) -> ObjContent:
 def _vertices(corners: list[str]) -> tuple[Array, Array | None]:
     """Return the places of the corners and, where each has them, their colours."""
     rows = [corner.split() for corner in corners]
-    if any(len(row) < 3 for row in rows):
-        raise ValueError("a vertex has fewer than three coordinates")
-    vertices = np.array([row[:3] for row in rows], dtype=np.float64).reshape(-1, 3)
-    if not rows or any(len(row) < 6 for row in rows):
+    try:
+        vertices = np.array([row[:3] for row in rows], dtype=np.float64).reshape(len(rows), 3)
+    except ValueError:
+        number = next(number for number, row in enumerate(rows) if not are_numbers(row, 3))
+        raise _refused(f"vertex {number + 1} is not three numbers: {quoted(corners[number])}") from None
+    if not rows or not all(are_numbers(row[3:6], 3) for row in rows):
         return vertices, None
-    return vertices, np.array([row[3:6] for row in rows], dtype=np.float64)
+    colors = np.array([row[3:6] for row in rows], dtype=np.float64)
+    beyond = np.flatnonzero(~((colors >= 0.0) & (colors <= 1.0)).all(axis=1))
+    if len(beyond):
+        number = int(beyond[0])
+        told = ", ".join(f"{value:g}" for value in colors[number])
+        problem = f"has the colour ({told}) at vertex {number + 1}"
+        raise FileError(problem, remedy="Colours of OBJ files go from 0 to 1; export it again, or without colours")
+    return vertices, colors
 
 
 def _faces(polygons: list[str], starts: Integers, count: int) -> tuple[Integers, Integers]:
@@ -89,14 +100,24 @@ def _faces(polygons: list[str], starts: Integers, count: int) -> tuple[Integers,
     rows = [_BEHIND_SLASH.sub("", polygon).split() for polygon in polygons]
     sizes = np.array([len(row) for row in rows], dtype=np.int64)
     if (sizes < 3).any():
-        raise ValueError("a face has fewer than three corners")
-    written = np.array([corner for row in rows for corner in row], dtype=np.int64)
+        number = int(np.argmin(sizes))
+        raise _refused(f"face {number + 1} has fewer than three corners: {quoted(polygons[number])}")
+    try:
+        written = np.array([corner for row in rows for corner in row], dtype=np.int64)
+    except (ValueError, OverflowError):
+        number = next(number for number, row in enumerate(rows) if not are_numbers(row, len(row), np.int64))
+        raise _refused(f"face {number + 1} is not numbers of vertices: {quoted(polygons[number])}") from None
     indices = np.where(written > 0, written - 1, written + np.repeat(starts, sizes))
-    if ((written == 0) | (indices < 0) | (indices >= count)).any():
-        number = written[(written == 0) | (indices < 0) | (indices >= count)][0]
-        raise ValueError(f"a face has the vertex {number}, of {count}")
+    wrong = np.flatnonzero((written == 0) | (indices < 0) | (indices >= count))
+    if len(wrong):
+        number = int(np.searchsorted(np.cumsum(sizes), wrong[0], side="right"))
+        raise _refused(f"face {number + 1} has the vertex {written[wrong[0]]}, of {count}")
     firsts = np.cumsum(sizes) - sizes
     polygon_of = np.repeat(np.arange(len(sizes)), sizes - 2)
     steps = np.arange(len(polygon_of)) - np.repeat(np.cumsum(sizes - 2) - (sizes - 2), sizes - 2)
     first = firsts[polygon_of]
     return indices[np.stack([first, first + steps + 1, first + steps + 2], axis=1)], polygon_of
+
+
+def _refused(why: str) -> FileError:
+    return FileError(f"cannot be read as OBJ: {why}", remedy="Export it again")

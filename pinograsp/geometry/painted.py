@@ -110,7 +110,9 @@ def _made(
     region = Painted(file=file, sha256=sha256, color=color, material=material, group=group)
     painted = painted_triangles(mesh.paint, region)
     if not painted.any():
-        raise FileError(f"nothing in it is painted with {region.words}", file=file, remedy=_known(mesh.paint, region))
+        raise FileError(
+            f"has nothing that is painted with {region.words}", file=file, remedy=_known(mesh.paint, region)
+        )
     return PaintedSurface(mesh, painted)
 
 

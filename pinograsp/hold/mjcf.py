@@ -19,6 +19,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
+from ..descriptions.mesh_keys import mesh_keys
 from ..errors import InputError
 from ..geometry.shapes import surface_of
 from ..results import Grasp, Setup
@@ -92,14 +93,16 @@ class HandAndObject:
         self._robot = robot_for(setup.robot, setup.scene, setup.task)
         read = read_robot(setup.robot)
         self._kinematics = read.kinematics.mounted(setup.scene.mounting.matrix)
-        self._verifier = Verifier(setup.robot, setup.scene, setup.task)
+        with mesh_keys(setup.scene):
+            self._verifier = Verifier(setup.robot, setup.scene, setup.task)
         self._meshes, self._urdf = read.meshes, read.urdf
         self._links = hand_links(read.urdf, self._robot)
         self._task = setup.scene.task(setup.task)
         self._object = setup.scene.objects[self._task.object]
         self._mass = required_mass(setup.scene, self._task)
         self._wrench = setup.scene.wrench_of(self._task)
-        self._body = object_body(self._task.object, self._object.shape)
+        with mesh_keys(setup.scene):
+            self._body = object_body(self._task.object, self._object.shape)
         self._friction = self._task.contact.friction if options.friction is None else options.friction
         one = len(self._robot.hand.synergies) == 1
         if options.control == "torque" and not one:

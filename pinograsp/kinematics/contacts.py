@@ -16,7 +16,8 @@ from ..arrays import Array, Indices
 from ..compiled import compiled
 from ..geometry.patches import patch_point
 from .forward import Configuration
-from .robot import PadFrames, Robot
+from .pads import PadFrames
+from .robot import Robot
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ import pinocchio as pin
 
 from ..arrays import Array
 from ..geometry.patches import patch_point
-from .robot import Pad, Robot
+from .pads import Pad
+from .robot import Robot
 
 
 def arm_reach(robot: Robot) -> tuple[Array, float]:

@@ -13,18 +13,15 @@ matrix S (3).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from ..arrays import Array, Indices
 from ..descriptions import RobotDescription, load_robot_description
-from ..descriptions.hand import PadDescription
-from ..descriptions.patches import Patch
 from ..descriptions.robot_files import hashes_of, require_same
 from ..descriptions.urdf import Mimic
 from ..descriptions.urdf_checks import usable
@@ -32,41 +29,10 @@ from ..errors import InputError, require_kind
 from ..geometry.patches import patch_point
 from . import urdf
 from .names import check_names
+from .pads import PadFrames, pads_of
 
 TURN_STEP, SLIDE_STEP, SLIP_STEP = 1.0, 0.1, 0.02
 """Comparable steps of a turning joint, rad, a sliding joint, m, and a contact on its pad, m."""
-
-
-@dataclass(frozen=True)
-class Pad:
-    """A pad in the model: patch frame in its joint's frame, x and y along the contact parameters, z outward."""
-
-    description: PadDescription
-    joint: int
-    rotation: Array
-    """Shape (3, 3)."""
-    translation: Array
-    """m, shape (3,)."""
-    parameters: slice
-    """Where its contact parameters are in q_c."""
-
-    @property
-    def patch(self) -> Patch:
-        """The surface."""
-        return self.description.patch
-
-
-class PadFrames(NamedTuple):
-    """The frames of all pads as arrays."""
-
-    joints: Indices
-    """Shape (n,)."""
-    rotations: Array
-    """Shape (n, 3, 3)."""
-    translations: Array
-    """m, shape (n, 3)."""
-    owners: Indices
-    """Pad of every contact parameter, shape (c,)."""
 
 
 class Robot:
@@ -104,13 +70,8 @@ class Robot:
         description = self.description
         limits = [limits for pad in description.pads for limits in pad.patch.parameters]
         self.parameter_limits: Array = np.array(limits).reshape(-1, 2)
-        self.pads = tuple(self._pad(i) for i in range(len(description.pads)))
-        self.pad_frames = PadFrames(
-            np.array([pad.joint for pad in self.pads]),
-            np.array([pad.rotation for pad in self.pads]),
-            np.array([pad.translation for pad in self.pads]),
-            np.array([number for number, pad in enumerate(self.pads) for _ in pad.patch.parameters]),
-        )
+        self.pads = pads_of(self.model, description.pads)
+        self.pad_frames = PadFrames.of(self.pads)
         self.step_units = self._step_units()
         self._check_pads()
 
@@ -267,15 +228,6 @@ class Robot:
         middle = self.parameter_limits.mean(axis=1)
         lengths = [np.linalg.norm(patch_point(pad.patch, middle[pad.parameters]).d_point, axis=0) for pad in self.pads]
         return np.concatenate([posture, *(SLIP_STEP / length for length in lengths)])
-
-    def _pad(self, number: int) -> Pad:
-        pads = self.description.pads
-        pad = pads[number]
-        frame = self.model.frames[self.model.getFrameId(pad.link, pin.BODY)]
-        placement = frame.placement * pin.SE3(pad.patch.rotation, np.array(pad.patch.origin))
-        first = sum(len(other.patch.parameters) for other in pads[:number])
-        parameters = slice(first, first + len(pad.patch.parameters))
-        return Pad(pad, frame.parentJoint, placement.rotation.copy(), placement.translation.copy(), parameters)
 
 
 def load_robot(name: str | Path) -> Robot:

@@ -10,11 +10,12 @@ from typing import Protocol
 import numpy as np
 
 from ..arrays import Array
+from ..descriptions.mesh_keys import mesh_keys
 from ..descriptions.robot_files import hashes_of, require_same
 from ..kinematics.robot import Robot
 from ..memo import remembered
 from ..problem import Proposal, State, TaskModel
-from ..problem.proposals import Candidate, proposal
+from ..problem.contact_pairs import Candidate, proposal
 from ..results import Grasp
 from ..solve.local import Solution
 from ..verification import Certificate
@@ -135,7 +136,8 @@ def require_consistent(robot: Robot) -> None:
 
 def verifier_of(model: TaskModel) -> Verifier:
     """Return the verifier of a task, which reads the robot file with all its pads."""
-    return Verifier(model.robot.unmounted.description, model.scene, model.task_name)
+    with mesh_keys(model.scene):
+        return Verifier(model.robot.unmounted.description, model.scene, model.task_name)
 
 
 def lost_attempt(item: Item, reason: str) -> Attempt:

@@ -11,8 +11,8 @@ from ..descriptions.pose import ZERO
 from ..descriptions.task import ContactConstants, Task, Wrench
 from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..kinematics.robot import Robot
-from ..problem.proposals import ContactPair
-from ..progress import Report, no_report
+from ..problem.contact_pairs import ContactPairs
+from ..progress import Report
 from ..results import Result
 from ..results.configuration_check import ConfigurationCheck
 from ..results.explanation import Explanation
@@ -38,7 +38,7 @@ def plan(
     seed: int = 0,
     database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Report = no_report,
+    progress: Report | None = None,
 ) -> Result:
     """Find, verify and rank grasps: one plan of a `Planner`, which has more for who plans again and again.
 
@@ -55,7 +55,7 @@ def plan(
         seed: of the choice of starts.
         database: where the starts come from; None: a small one in the user's cache folder, built on first use.
         options: how each start is solved.
-        progress: called as the work goes on, stage by stage (see `Planner`); by default nothing is.
+        progress: called as the work goes on, stage by stage (see `Planner`).
 
     Raises:
         InputError: the task does not exist or makes no sense for this robot and scene, the database belongs to
@@ -84,7 +84,7 @@ def explain(
     workers: int | None = None,
     database: Database | Path | str | None = None,
     options: SolverOptions | None = None,
-    progress: Report = no_report,
+    progress: Report | None = None,
 ) -> Explanation:
     """Return why a task finds no grasp, and the least changes that make it work: `Planner.explain`.
 
@@ -144,8 +144,8 @@ def contacts(
     object: str | None = None,
     seed: int = 0,
     most: int = PROPOSED,
-    progress: Report = no_report,
-) -> tuple[ContactPair, ...]:
+    progress: Report | None = None,
+) -> ContactPairs:
     """Return pairs of opposite points of an object that the hand can hold where the object stands.
 
     A task that leaves out `desired_contacts` proposes them to its starts. `Planner.contacts` is quicker for who asks

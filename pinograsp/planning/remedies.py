@@ -44,7 +44,9 @@ def remedies(failure: Failure, trials: Trials, report: Report) -> Iterator[Remed
     for number, change in enumerate(changes):
         report(Progress("remedies", number, len(changes)))
         parts = sum(other.share for other in changes[number:]) / change.share
-        yield _Search(failure.scene, change, trials, parts).outcome()
+        outcome = _Search(failure.scene, change, trials, parts).outcome()
+        if outcome is not None:
+            yield outcome
 
 
 def _more_starts(failure: Failure, trials: Trials) -> Remedy | None:
@@ -82,9 +84,11 @@ class _Search:
         """Size up to which none helps, as far as is known."""
         self._unsure = False
         """Whether some size helped in a short plan, but not in the one that verifies it."""
+        self._made = False
+        """Whether there is such a change of some size."""
 
-    def outcome(self) -> Remedy | Tried:
-        """Return the least change that helps, or how far it was tried."""
+    def outcome(self) -> Remedy | Tried | None:
+        """Return the least change that helps, or how far it was tried; None: there is no such change of the scene."""
         change, whole = self._change, True
         try:
             self._trials.share(self._parts)
@@ -97,6 +101,8 @@ class _Search:
                 return found
         except TimeoutError:
             whole = False
+        if whole and not self._made and change.without is None:
+            return None
         text = change.tried(self._furthest or max(change.sizes))
         return Tried(change.kind, text, self._furthest, change.unit, whole, self._unsure)
 
@@ -172,6 +178,8 @@ class _Search:
     def _changed(self, variant: Variant, size: float) -> Scene | None:
         """Return the scene with a change; None where there is no such change."""
         try:
-            return Remedy(self._change.kind, "", 0.0, "", variant.changes(size), 0, 0).apply(self._scene)
+            there = Remedy(self._change.kind, "", 0.0, "", variant.changes(size), 0, 0).apply(self._scene)
+            self._made = True
+            return there
         except (InputError, ValueError):
             return None

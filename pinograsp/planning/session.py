@@ -18,10 +18,10 @@ from ..descriptions import Scene
 from ..descriptions.pose import Pose
 from ..errors import InputError, real_number, require_kind, require_report, whole_number
 from ..execution import GivenExecutor, Workers, own_workers
-from ..interrupts import heard, taken
+from ..interrupts import heard, taken, undisguised
 from ..kinematics.robot import Robot
-from ..problem.proposals import ContactPair
-from ..progress import Report, no_report
+from ..problem.contact_pairs import ContactPairs
+from ..progress import OnceTold, Report
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..results.explanation import Explanation
@@ -54,7 +54,7 @@ class Planner:
         progress: called as the work goes on, in this process: once on a machine the `meshes` of the scene, `convex
             pieces` of the robot's meshes, `compiling`, and `start database` with its `sorting`; then `starts` and the
             `resistance` of the grasps. What it raises ends the plan; KeyboardInterrupt does so with what was found
-            until then.
+            until then. None: of what is made once and takes long a line on standard error says so.
 
     Raises:
         InputError: an argument is of another class, a number is out of range, or workers and executor are both given.
@@ -69,7 +69,7 @@ class Planner:
         workers: int | None = None,
         executor: Executor | None = None,
         options: SolverOptions | None = None,
-        progress: Report = no_report,
+        progress: Report | None = None,
     ) -> None:
         require_kind("robot", robot, Robot, remedy="Make it with `load_robot`")
         require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
@@ -77,6 +77,7 @@ class Planner:
             require_kind("options", options, SolverOptions, remedy="Give SolverOptions(...)")
         if database is not None:
             require_kind("database", database, Database, Path, str)
+        progress = OnceTold() if progress is None else progress
         require_report(progress)
         if executor is not None and not isinstance(executor, Executor):
             raise InputError("is no concurrent.futures.Executor", key="executor")
@@ -175,8 +176,10 @@ class Planner:
             InputError: as `plan`; at the first call of `next`.
         """
         limits = Limits.of(most, deadline)
-        model, _ = self._models.checked(task)
-        for done in self._singles.tried(model, self._singles.nearest(model), limits, self._setup(task)):
+        with undisguised():
+            model, _ = self._models.checked(task)
+            items = self._singles.nearest(model)
+        for done in self._singles.tried(model, items, limits, self._setup(task)):
             if done.grasp is not None:
                 yield done.grasp
 
@@ -268,11 +271,11 @@ class Planner:
         Raises:
             InputError: there is no such task, or a value is missing, unknown or not finite.
         """
-        model = self._models.model(task)
-        with compiling(self._report):
+        with undisguised(), compiling(self._report):
+            model = self._models.model(task)
             return checked(model, verifier_of(model), joints)
 
-    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> tuple[ContactPair, ...]:
+    def contacts(self, task: str, *, seed: int = 0, most: int = PROPOSED) -> ContactPairs:
         """Return pairs of opposite points of a task's object that the hand can hold where the object stands.
 
         A task that leaves out `desired_contacts` proposes these to its starts; of others they are what would be
@@ -288,8 +291,10 @@ class Planner:
                 pair suits; the message says why.
         """
         seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
-        model, _ = self._models.checked(task)
-        return tuple(candidate.pair for candidate in self._models.proposals(model, seed).here(model, most))
+        with undisguised():
+            model, _ = self._models.checked(task)
+            proposals = self._models.proposals(model, seed)
+            return ContactPairs((candidate.pair for candidate in proposals.here(model, most)), proposals.remarks)
 
     def _setup(self, task: str) -> Setup:
         return Setup(self._robot.description, self.scene, task)

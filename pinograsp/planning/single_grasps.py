@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import real_number, whole_number
 from ..interrupts import heard
 from ..problem import TaskModel
-from ..problem.proposals import proposal
+from ..problem.contact_pairs import proposal
 from ..results import Setup
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions

@@ -8,10 +8,12 @@ from ..arrays import Rows
 from ..collision.solids import link_bodies
 from ..compiled import compiling
 from ..descriptions import Scene
+from ..descriptions.mesh_keys import mesh_keys
 from ..descriptions.pose import Pose
 from ..kinematics.robot import Robot
 from ..problem import GraspProblem, TaskModel, check_placement, check_task
-from ..problem.proposals import Candidate, Proposals, desired_points
+from ..problem.contact_pairs import Candidate, desired_points
+from ..problem.proposals import Proposals
 from ..progress import Report
 from ..solve.pair_trials import PairTrials
 from .attempt import require_consistent
@@ -55,7 +57,8 @@ class TaskModels:
         if task not in self._models:
             require_consistent(self._robot.unmounted)
             link_bodies(self._robot, self._report)
-            self._models[task] = TaskModel(self._robot, self.scene, task)
+            with mesh_keys(self.scene):
+                self._models[task] = TaskModel(self._robot, self.scene, task)
         return self._models[task]
 
     def checked(self, task: str) -> tuple[TaskModel, tuple[str, ...]]:
@@ -64,10 +67,11 @@ class TaskModels:
         Raises:
             InputError: the task does not exist, or makes no sense for this robot and scene.
         """
-        prepare_meshes(self.scene, self.scene.task(task), self._report)
-        check_placement(self.scene, task)  # before the convex pieces, which take long on a new machine
-        model = self.model(task)
-        return model, tuple(check_task(model))
+        with mesh_keys(self.scene):
+            prepare_meshes(self.scene, self.scene.task(task), self._report)
+            check_placement(self.scene, task)  # before the convex pieces, which take long on a new machine
+            model = self.model(task)
+            return model, tuple(check_task(model))
 
     def proposals(self, model: TaskModel, seed: int) -> Proposals:
         """Return the pairs of contacts that are proposed for a task, drawn with a seed.

@@ -18,7 +18,8 @@ from ..descriptions import Scene
 from ..errors import InputError, TaskError
 from ..kinematics.robot import Robot
 from ..problem import TaskModel, check_placement, check_task
-from ..problem.proposals import Candidate, Proposals
+from ..problem.contact_pairs import Candidate
+from ..problem.proposals import Proposals
 from ..solve.guesses import NEAR, held_guesses
 from ..solve.local import LocalSolver
 from ..solve.options import SolverOptions

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from ..database.store import Database
 from ..descriptions import Scene
 from ..errors import TaskError
-from ..interrupts import taken
+from ..interrupts import taken, undisguised
 from ..kinematics.hand_posture import jaw_range
 from ..kinematics.reach import arm_reach
 from ..kinematics.robot import Robot
@@ -79,8 +79,8 @@ def explained(
         kept, tried, ended = list[Remedy](), list[Tried](), False
         try:
             end = time.perf_counter() + deadline
-            trials = Trials(robot, database(), task, options, seed, end, proposed())
-            with threadpool_limits(1):  # of BLAS, as in workers
+            with undisguised(), threadpool_limits(1):  # of BLAS, as in workers
+                trials = Trials(robot, database(), task, options, seed, end, proposed())
                 for outcome in remedies(failure, trials, report):  # kept one by one, so that an end loses none
                     if isinstance(outcome, Remedy):
                         kept.append(outcome)

@@ -13,6 +13,7 @@ from .loads import check_load
 from .mesh_findings import mesh_findings
 from .openings import check_openings
 from .overlaps import depth_in
+from .painted_regions import check_paint
 from .regions import check_region
 from .standing import check_standing
 from .task_model import TaskModel
@@ -29,10 +30,12 @@ def check_placement(scene: Scene, task_name: str) -> None:
     Raises:
         TaskError: the object reaches beyond a wall or into another body, a desired contact is off the surface, or the
             object is a compound with a mesh.
+        FileError: a mesh file of a painted region cannot be used, or nothing in it is painted so.
         UnknownNameError: the scene has no such task.
     """
     task = scene.task(task_name)
     _no_mesh_in_compound(scene, task)
+    check_paint(scene, task_name)
     surface = surface_of(scene.objects[task.object].shape)
     _object_inside(scene, task, surface)
     _object_apart(scene, task)

@@ -7,12 +7,15 @@ import math
 import numpy as np
 
 from ..errors import TaskError
+from ..geometry.contact_faces import widest_room
 from ..kinematics.grips import grips
 from ..kinematics.hand_posture import always_parallel, jaw_range
+from ..units import shown
 from .task_model import TaskModel
 
-COARSE = 0.001
-"""How far desired contacts may be beyond what the table of the hand's postures has, m."""
+COARSE, EXACT = 0.001, 1e-5
+"""How far desired contacts may be beyond what the table of the hand's postures has, m; and for pads that are parallel
+in all of them, of a hand of one synergy, whose table has the ends."""
 TURNED = math.radians(5.0)
 """How far from opposite the surface may be at the desired contacts of pads that are parallel, rad."""
 
@@ -28,6 +31,11 @@ def check_openings(model: TaskModel) -> list[str]:
     if model.task.desired_contacts is None or len(model.robot.pads) != 2:
         return []
     _jaw_wide_enough(model)
+    return [*_openings(model), *_narrow_faces(model)]
+
+
+def _openings(model: TaskModel) -> list[str]:
+    """Return why the hand does not get its pads to both desired contacts."""
     own = slice(model.robot.arm_size, None)
     widths = grips(model.robot, model.lower[own], model.upper[own]).widths
     if not len(widths):
@@ -37,13 +45,14 @@ def check_openings(model: TaskModel) -> list[str]:
     if turned > TURNED:
         return _turned_away(model, turned, beside)
     apart = abs(float((model.desired_points[1] - model.desired_points[0]) @ normals[0]))
-    shown = f"the desired contacts are {1e3 * apart:.1f} mm apart"
-    if apart > widths.max() + COARSE:
-        most = 1e3 * float(widths.max())
-        return [f"{shown}, the pads open to {most:.1f} mm: give points nearer to each other, {beside}"]
-    if apart < widths.min() - COARSE:
-        least = 1e3 * float(widths.min())
-        return [f"{shown}, the pads close to {least:.1f} mm: give points farther from each other, {beside}"]
+    told = f"the desired contacts are {shown(apart, 'm')} apart"
+    beyond = EXACT if always_parallel(model.robot) and model.robot.synergies.shape[1] == 1 else COARSE
+    if apart > widths.max() + beyond:
+        most = shown(float(widths.max()), "m")
+        return [f"{told}, the pads open to {most}: give points nearer to each other, {beside}"]
+    if apart < widths.min() - beyond:
+        least = shown(float(widths.min()), "m")
+        return [f"{told}, the pads close to {least}: give points farther from each other, {beside}"]
     return []
 
 
@@ -54,6 +63,18 @@ def _turned_away(model: TaskModel, turned: float, beside: str) -> list[str]:
         f"the surface at the desired contacts is {math.degrees(turned):.0f} ° from opposite, and the pads are parallel "
         f"in every posture of the hand: give points on opposite sides, {beside}"
     ]
+
+
+def _narrow_faces(model: TaskModel) -> list[str]:
+    """Return which desired contacts are on faces that are narrower than contacts are to be off their edges."""
+    rim, found = model.task.reserve.rim, []
+    for number, point in enumerate(model.desired_points):
+        room = widest_room(model.contact_face(point))
+        if room < rim:
+            wide, kept = shown(2.0 * room, "m"), f"contacts keep {shown(rim, 'm')} from edges (reserve.rim)"
+            remedy = "give a point on another face, or a smaller reserve.rim"
+            found.append(f"desired contact {number} is on a face {wide} wide, and {kept}: {remedy}")
+    return found
 
 
 def _jaw_wide_enough(model: TaskModel) -> None:

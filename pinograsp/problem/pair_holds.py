@@ -20,7 +20,7 @@ from ..geometry.antipodal import Pairs
 from ..geometry.patches import patch_point, rectangle
 from ..kinematics.grips import Grips, grips
 from ..kinematics.hand_posture import always_parallel
-from ..kinematics.robot import Pad
+from ..kinematics.pads import Pad
 from .task_model import TaskModel
 
 TURNS = 8

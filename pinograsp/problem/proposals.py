@@ -24,96 +24,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..descriptions.mesh_contact import SIGMAS
 from ..errors import TaskError
-from ..frozen import Record
-from ..geometry.antipodal import Pairs, opposite_points
-from ..geometry.contact_faces import edge_distance
-from ..geometry.patches import half_sides
 from ..geometry.shapes import Surface, surface_of
 from ..kinematics.reach import arm_reach
 from ..mechanics import Contacts, grasp_statics, solve_forces
-from .desired import DesiredPoints, Hold, Proposal
-from .pair_holds import TURNS, HoldFinder, Holds
+from .contact_pairs import Candidate, ContactPair, Held
+from .pair_holds import TURNS, Holds
+from .suitable_pairs import SuitablePairs
 from .task_model import TaskModel
 
-DRAWN, DRAWS = 400, 40
-"""Points that are drawn at once, and how often at most."""
-LOOKED_AT, MOST_LOOKED_AT = 120, 480
-"""Pairs that are tried with the pads: at least, if there are enough, and at most; as many of those near edges."""
 KEPT = 48
 """Pairs that are kept, at most: where the object stands, some of them cannot be got at."""
-WIDE = 0.005
-"""Margin from the object that may be why no pad fits on it, m; 1 mm is usual."""
-PARALLEL = math.radians(0.5)
-"""Greatest angle between a normal and the opposite of the other one for pads that stay parallel, rad."""
-EDGE = math.radians(12.0)
-"""Angle between the normal of an uneven surface and what a pad feels from which on there is an edge, rad."""
-ROOM = 0.006
-"""Pairs nearer than this to an edge are proposed only if no other one can be got at, m.
-
-From there contacts slide over the edge: of starts that are led to such pairs half fail. So do those that fit at
-the rim of a pad alone.
-"""
 TRIALS = 48
 """Pairs that are tried, at most."""
 ENOUGH = 4
 """With fewer pairs of the best grade, those of the next one are proposed, too."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ContactPair(Record):
-    """Two opposite points of an object that two pads can touch."""
-
-    points: Array
-    """On the object's surface, in its frame, m, shape (2, 3); a task's `desired_contacts` may be these."""
-    normals: Array
-    """Outward normals there, unit vectors, object's frame, shape (2, 3)."""
-    width: float
-    """How far apart the pads are that hold it, m."""
-
-
-def proposal(candidate: Candidate, model: TaskModel) -> Proposal:
-    """Return what is proposed to a start, where the object of a task stands."""
-    T = model.T_world_object
-    placed = [
-        hold._replace(T_wrist=T @ hold.T_wrist, axis=hold.axis @ T[:3, :3].T + [T[:3, 3], np.zeros(3)])
-        for hold in candidate.held
-    ]
-    return Proposal(desired_points(candidate.pair, model), tuple(placed))
-
-
-def desired_points(pair: ContactPair, model: TaskModel) -> DesiredPoints:
-    """Return the points of a pair, and that pads are to look at them, where the object of a task stands."""
-    R, origin = model.T_world_object[:3, :3], model.T_world_object[:3, 3]
-    return DesiredPoints(pair.points @ R.T + origin, pair.normals @ R.T)
-
-
-class Held(NamedTuple):
-    """A hand that holds a pair, object's frame."""
-
-    hold: Hold
-    contacts: Contacts
-
-
 Trial = Callable[[ContactPair, Holds], tuple[Held, ...]]
-
-
-class Candidate(NamedTuple):
-    """A pair that fits the hand."""
-
-    pair: ContactPair
-    holds: Holds
-    roomy: bool
-    """Whether it is far from edges, and may be in the middle of a pad."""
-    held: tuple[Hold, ...] = ()
-    """Hands that hold it, object's frame; none if it was not tried."""
 
 
 class Proposals:
@@ -140,15 +72,12 @@ class Proposals:
         self._model, self._trial = model, trial
         self._held: dict[int, tuple[Held, ...]] = {}
         """By number of the candidate: hands that hold it."""
-        self._finder = HoldFinder(model)
-        self._tilt = PARALLEL
-        if model.surface.uneven:
-            halves = [half_sides(pad.patch).max() for pad in model.robot.pads]
-            depths = [pad.rubber_depth for pad in model.robot.description.pads]
-            self._tilt = float(np.arctan2(depths, halves).sum())
-        found = self._found(np.random.default_rng(seed))
+        suitable = SuitablePairs(model, KEPT)
+        found = suitable.found(np.random.default_rng(seed))
         self.candidates = tuple(c for roomy in (True, False) for c in self._spread(found, roomy))
         """Each as far as possible from those before it, those near edges last."""
+        self.remarks = suitable.remarks
+        """Which parts of the surface have no pair, and why."""
 
     def here(self, model: TaskModel, most: int) -> tuple[Candidate, ...]:
         """Return up to `most` candidates that can be got at where the object stands now, in their order.
@@ -170,9 +99,12 @@ class Proposals:
                 free += [self._with_holds(i) for i, grade in zip(there, grades, strict=True) if grade == best]
         if free:
             return tuple(free[:most])
-        raise TaskError(
+        none = (
             f"the hand gets at none of {len(self.candidates)} pairs of opposite points of {model.task.object!r} that "
-            "fit it: walls, obstacles or other objects are in the way, or it is too far",
+            "fit it: walls, obstacles or other objects are in the way, or it is too far"
+        )
+        raise TaskError(
+            "; ".join((none, *self.remarks)),
             file=model.scene.source,
             key=f"objects.{model.task.object}.pose",
             remedy="Move the object, or widen `approach` if the task has one",
@@ -200,95 +132,6 @@ class Proposals:
                 good += grades[i] > 1
         return grades
 
-    def _found(self, rng: np.random.Generator) -> list[Candidate]:
-        """Return what fits, of as many points as it takes."""
-        found: list[Candidate] = []
-        tried, reason = {True: 0, False: 0}, _Reason("", "")
-        for _ in range(DRAWS):
-            pairs = self._suitable(opposite_points(self._model.surface, DRAWN, rng))
-            if isinstance(pairs, _Reason):
-                reason = pairs
-                continue
-            rooms = self._rooms(pairs)
-            for number in rng.permutation(np.flatnonzero(rooms >= self._model.task.reserve.rim)).tolist():
-                pair, roomy = pairs.at(np.array([number])), bool(rooms[number] >= ROOM)
-                if tried[roomy] < MOST_LOOKED_AT:
-                    tried[roomy] += 1
-                    holds = self._finder.holds(pair)
-                    if holds is not None:
-                        record = ContactPair(pair.points[0], pair.normals[0], float(pair.widths[0]))
-                        found.append(Candidate(record, holds, roomy and holds.central))
-            if tried[True] == MOST_LOOKED_AT or (tried[True] >= LOOKED_AT and sum(c.roomy for c in found) >= KEPT):
-                break
-        if any(tried.values()):
-            reason = self._no_face()
-        elif not reason.problem and self._model.surface.uneven:
-            thin = f"thinner than {1e3 * SIGMAS[-1]:g} mm"
-            remedy = "Give desired contacts, or a shape other than a mesh"
-            reason = _Reason(f"all opposite points are at edges, or where it is {thin}", remedy)
-        elif not reason.problem:
-            reason = _Reason("all opposite points are at edges", "Give a smaller reserve.rim")
-        if not found:
-            task = self._model.task
-            raise TaskError(
-                f"no contacts can be proposed for {task.object!r}: {reason.problem}",
-                file=self._model.scene.source,
-                key=f"objects.{task.object}.shape",
-                remedy=reason.remedy,
-            )
-        return found
-
-    def _no_face(self) -> _Reason:
-        """Return what keeps pads off all faces: their size, or other links that are to be far from the object."""
-        margin, problem = self._model.task.margin.object, "no face is there that a pad fits on"
-        if margin <= WIDE:
-            return _Reason(problem, "Use a gripper with smaller pads")
-        return _Reason(
-            f"{problem} with other links {1e3 * margin:g} mm off (margin.object)", "Give a smaller margin.object"
-        )
-
-    def _suitable(self, pairs: Pairs) -> Pairs | _Reason:
-        """Return the pairs that normals, jaw and region allow, or what keeps all of them out."""
-        model, narrowest, widest = self._model, self._finder.narrowest, self._finder.widest
-        opposite = pairs.leans.max(axis=1) <= math.atan(model.task.contact.friction)
-        if self._finder.parallel:
-            opposite &= pairs.tilts <= self._tilt
-        pairs = pairs.at(np.flatnonzero(opposite))
-        if not len(pairs.points):
-            return _Reason("no two faces are opposite to each other as the pads are", "Give desired contacts")
-        widths = pairs.widths
-        if widths.min() > widest:
-            least, missing, opens = 1e3 * widths.min(), 1e3 * (widths.min() - widest), 1e3 * widest
-            problem = f"too wide by {missing:.1f} mm: at least {least:.1f} mm, and the pads open to {opens:.1f} mm"
-            return _Reason(problem, "Use a larger gripper or a smaller object")
-        if widths.max() < narrowest:
-            most, missing, closes = 1e3 * widths.max(), 1e3 * (narrowest - widths.max()), 1e3 * narrowest
-            problem = f"too narrow by {missing:.1f} mm: at most {most:.1f} mm, and the pads close to {closes:.1f} mm"
-            return _Reason(problem, "Use a smaller gripper or a larger object")
-        pairs = pairs.at(np.flatnonzero((widths >= narrowest) & (widths <= widest)))
-        if not len(pairs.points):
-            thick, wide = 1e3 * widths[widths < narrowest].max(), 1e3 * widths[widths > widest].min()
-            jaw = f"the pads close to {1e3 * narrowest:.1f} mm and open to {1e3 * widest:.1f} mm"
-            problem = f"too narrow or too wide: {thick:.1f} mm or less, {wide:.1f} mm or more, and {jaw}"
-            return _Reason(problem, "Use another gripper or another object")
-        if model.region is not None:
-            inside = model.region(pairs.points.reshape(-1, 3))[0].reshape(-1, 2) >= 0.0
-            pairs = pairs.at(np.flatnonzero(inside.all(axis=1)))
-        if not len(pairs.points):
-            return _Reason("no two opposite points that fit the jaw are in the contact region", "Widen the region")
-        return pairs
-
-    def _rooms(self, pairs: Pairs) -> Array:
-        """Return how far both points of pairs are from the edges of their faces, m, shape (n,); -inf on an edge."""
-        surface = self._model.surface
-        if surface.uneven:
-            points = pairs.points.reshape(-1, 3)
-            cosines = (surface.signed_distance(points)[1] * surface.footprint(points)[0]).sum(axis=1)
-            return np.where(cosines.reshape(-1, 2).min(axis=1) < math.cos(EDGE), -np.inf, np.inf)
-        face_of = self._model.surface.contact_face
-        rooms = [[edge_distance(face_of(point), point)[0] for point in pair] for pair in pairs.points]
-        return np.asarray(np.min(rooms, axis=1))
-
     def _spread(self, found: list[Candidate], roomy: bool) -> list[Candidate]:
         """Return candidates far from edges, or those near them, each as far as possible from those before it."""
         some = [candidate for candidate in found if candidate.roomy == roomy]
@@ -312,13 +155,6 @@ def _bears(model: TaskModel, held: Contacts) -> bool:
     statics = grasp_statics(contacts, model.contact_models, model.hand, model.load)
     forces = solve_forces(statics, contacts.normals, model.contact_models, model.limits)
     return model.limits.strict_cost >= forces.V
-
-
-class _Reason(NamedTuple):
-    """Why no pair suits."""
-
-    problem: str
-    remedy: str
 
 
 def _can_be_got_at(model: TaskModel, candidate: Candidate, others: Sequence[tuple[Surface, Array]]) -> bool:

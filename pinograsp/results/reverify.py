@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import robot_for
+from ..descriptions.mesh_keys import mesh_keys
 from ..errors import InputError, require_kind, require_report
 from ..frozen import Record
 from ..progress import Progress, Report, no_report
@@ -68,11 +69,12 @@ def verify(result: Result, progress: Report = no_report) -> tuple[Difference, ..
     require_kind("result", result, Result, remedy="Read it with `read_json`")
     require_report(progress)
     setup = result.setup
-    found = list(_of_the_whole(result))
-    verifier = Verifier(setup.robot, setup.scene, setup.task)
-    for number, grasp in enumerate(result.grasps, 1):
-        found += _of_grasp(number, grasp, setup, verifier)
-        progress(Progress("certificates", number, len(result.grasps)))
+    with mesh_keys(setup.scene):
+        found = list(_of_the_whole(result))
+        verifier = Verifier(setup.robot, setup.scene, setup.task)
+        for number, grasp in enumerate(result.grasps, 1):
+            found += _of_grasp(number, grasp, setup, verifier)
+            progress(Progress("certificates", number, len(result.grasps)))
     return tuple(found)
 
 

@@ -18,8 +18,8 @@ from ..kinematics.forward import Configuration, forward
 from ..kinematics.wrist import wrist_pose
 from ..mechanics import Contacts
 from ..problem import GraspProblem, Hold, TaskModel
+from ..problem.contact_pairs import ContactPair, Held, desired_points
 from ..problem.pair_holds import Holds
-from ..problem.proposals import ContactPair, Held, desired_points
 from .held_hand import BETWEEN, between, turned, turned_about
 from .projection import descend
 

@@ -13,6 +13,7 @@ import trimesh
 
 from ..arrays import Array
 from ..descriptions.composition import Composition
+from ..descriptions.mesh_damage import unreadable
 from ..descriptions.mesh_files import mesh_bytes
 from ..descriptions.obj_indices import counted_from_first
 from ..errors import FileError, InputError
@@ -96,20 +97,20 @@ def _bytes(file: str, link: str) -> bytes:
 
 def _read(file: str, link: str) -> Any:
     """Return the triangles of a mesh file in metres, by the unit that it states."""
-    kind = Path(file).suffix[1:].lower()
+    kind, content, key = Path(file).suffix[1:].lower(), _bytes(file, link), f"link {link}"
     try:
         with warnings.catch_warnings():  # of a mesh that was made elsewhere
             warnings.simplefilter("ignore")
-            content = io.BytesIO(counted_from_first(_bytes(file, link), kind))
+            counted = io.BytesIO(counted_from_first(content, kind))
             # Not processed, which takes out corners that are no numbers.
-            scene: Any = trimesh.load_scene(content, file_type=kind, process=False)
+            scene: Any = trimesh.load_scene(counted, file_type=kind, process=False)
             whole = scene.to_geometry()
             stated = 1.0 if scene.units is None else float(trimesh.units.unit_conversion(scene.units, "meters"))
         if not len(whole.faces):
-            raise ValueError("it has no triangles")
+            raise FileError("has no triangles", file=Path(file), key=key, remedy="Export it again")
         used = np.unique(whole.faces)
         if not np.isfinite(whole.vertices[used]).all() or not 0.0 < stated < np.inf:
-            raise ValueError("a corner is no number")
+            raise FileError("has corners that are not finite", file=Path(file), key=key, remedy="Export it again")
         # Without texture and colours, which keep vertices apart that are one, and corners that no triangle has.
         faces = np.searchsorted(used, whole.faces)
         mesh = trimesh.Trimesh(np.asarray(whole.vertices)[used] * stated, faces, process=False)
@@ -118,7 +119,8 @@ def _read(file: str, link: str) -> Any:
     except FileError:
         raise
     except Exception as error:  # of any kind, from a parser that is given any bytes
-        raise FileError(f"the collision mesh of link {link} cannot be read: {error}", file=Path(file)) from None
+        found = unreadable(content, Path(file))
+        raise FileError(found.problem, file=found.file, key=key, remedy=found.remedy) from error
 
 
 def _link_mesh(link: str, parts: list[Any]) -> LinkMesh:

@@ -13,6 +13,7 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array, Integers
+from ..descriptions.mesh_damage import unreadable
 from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.obj_indices import counted_from_first
 from ..descriptions.shapes import Mesh
@@ -34,7 +35,7 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     vertices *= metres_in_unit(shape.unit, stated, float(np.ptp(vertices, axis=0).max()))
     vertices, faces = _without_flat(vertices, np.asarray(mesh.faces, dtype=np.int64))
     if not len(faces):
-        raise FileError("all triangles are flat", file=file, remedy="Export the mesh again")
+        raise FileError("has flat triangles only", file=file, remedy="Export the mesh again")
     faces = _facing_alike(vertices, faces)
     a, b, c = vertices[faces].transpose(1, 0, 2)
     volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
@@ -80,7 +81,7 @@ def _read(content: bytes, file: Path) -> tuple[Any, float]:
             # Without texture and colours, which keep vertices apart that are one.
             mesh = trimesh.Trimesh(whole.vertices, whole.faces, process=False)
     except Exception as error:  # of any kind, from a parser that is given any bytes
-        raise FileError(f"the mesh cannot be read: {error}", file=file) from None
+        raise unreadable(content, file) from error
     if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
         raise FileError("has no triangles, or a corner that is no number", file=file, remedy="Export the mesh again")
     mesh.merge_vertices()

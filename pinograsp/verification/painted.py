@@ -18,9 +18,9 @@ import numpy as np
 import trimesh
 
 from ..arrays import Array, Integers, Mask
+from ..descriptions.mesh_damage import unreadable
 from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.regions import COLORS_ALIKE, Painted
-from ..errors import FileError
 
 ALIKE = 1e-6
 """Corners that are nearer than this part of the extent are one."""
@@ -94,7 +94,7 @@ def _triangles(described: str) -> PaintedTriangles:
             warnings.simplefilter("ignore")  # of parsers
             parts, stated = (_of_obj(content), 1.0) if kind == "obj" else _of_scene(content, kind)
     except Exception as error:  # parsers that are given any bytes raise errors of any class
-        raise FileError(f"the mesh cannot be read: {error}", file=mesh.file) from None
+        raise unreadable(content, mesh.file) from error
     corners = np.concatenate([part.corners for part in parts]) * mesh.scales
     extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
     painted = np.concatenate([_is_painted(part, region) for part in parts])

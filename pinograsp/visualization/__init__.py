@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..descriptions.mesh_keys import mesh_keys
 from ..disk import as_path, write_whole
 from ..errors import InputError, require_kind
 from ..results.configuration_check import ConfigurationCheck
@@ -119,9 +120,10 @@ def _draw(grasp: Grasp, setup: Setup, visualizer: Visualizer) -> None:
     world.delete()
     marked = offenders(grasp.certificate)
     draw_robot(world, setup.robot, grasp.joints, scene.mounting.matrix, marked)
-    draw_scene(world, scene, task, marked)
-    draw_forces(world, grasp, scene, task)
-    if task.approach is not None:
-        draw_approach(world["approach"], task.approach, scene.objects[task.object])
+    with mesh_keys(scene):
+        draw_scene(world, scene, task, marked)
+        draw_forces(world, grasp, scene, task)
+        if task.approach is not None:
+            draw_approach(world["approach"], task.approach, scene.objects[task.object])
     clear_backdrop(visualizer)
     camera.place(world, camera.whole_box(scene, task))

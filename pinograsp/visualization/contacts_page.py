@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from ..descriptions import Scene
+from ..descriptions.mesh_keys import mesh_keys
 from ..disk import as_path, write_whole
 from ..errors import InputError, UnknownNameError, close_names, require_kind
-from ..problem.proposals import ContactPair
+from ..problem.contact_pairs import ContactPair
 from . import camera, colors
 from .forces import ARROW_RADIUS
 from .page import legend, page, view_button
@@ -51,7 +52,8 @@ def write_contacts_html(pairs: Sequence[ContactPair], scene: Scene, object: str,
         raise UnknownNameError(f"no object {object!r} in this scene", file=scene.source, key="object", remedy=remedy)
     recorder = Recorder()
     visualizer = Visualizer(window=recorder)
-    views = _draw(visualizer, pairs, scene, object)
+    with mesh_keys(scene):
+        views = _draw(visualizer, pairs, scene, object)
     title = f"{scene.name} / {object}"
     panel = (
         "<h1>Proposed contacts</h1>",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ def jaws(failure: Failure) -> Iterator[Change]:
     """Yield a jaw that opens wider, as an object that is so much narrower between its desired contacts, or across.
 
     Contacts that are proposed fit the jaw: without desired ones only an object that is refused needs another one. If it
-    is thinner than the jaw closes, that is one that closes further.
+    is thinner than the jaw closes, that is one that closes further. There is none where more is missing than is tried.
     """
     task, body = failure.task, failure.target
     if task.desired_contacts is None and REFUSED not in failure.kinds:
@@ -34,6 +34,7 @@ def jaws(failure: Failure) -> Iterator[Change]:
     normals = surface.signed_distance(points)[1] if len(points) else points
     widths = [surface.extent(axis) + surface.extent(-axis) for axis in np.eye(3)]
     least, most = failure.jaw or (0.0, 0.0)
+    narrowest = abs(float((points[0] - points[1]) @ normals[0])) if len(points) else surface.least_width
 
     def changes(size: float) -> Mapping[str, Any]:
         shape = _narrower(body, normals, size)
@@ -57,10 +58,17 @@ def jaws(failure: Failure) -> Iterator[Change]:
 
     if not len(points) and min(widths) < least:
         closes = Variant(lambda size: changes(-size), lambda size: size, closing)
-        yield Change("jaw", "m", 1e-4, SMALL, (closes,), tried_closing)
+        yield from _jaw(least - min(widths), closes, tried_closing)
     if len(points) or max(widths) > most:
         opens = Variant(changes, lambda size: size, text)
-        yield Change("jaw", "m", 1e-4, SMALL, (opens,), tried)
+        yield from _jaw(narrowest - most if failure.jaw else 0.0, opens, tried)
+
+
+def _jaw(missing: float, variant: Variant, tried: Callable[[float], str]) -> Iterator[Change]:
+    """Yield a jaw that opens wider or closes further, by no less than is missing, if that is not too much to try."""
+    sizes = tuple(size for size in SMALL if size >= missing)
+    if sizes:
+        yield Change("jaw", "m", 1e-4, sizes, (variant,), tried)
 
 
 def _narrower(body: Body, normals: Array, size: float) -> Mapping[str, Any]:

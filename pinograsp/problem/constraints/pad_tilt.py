@@ -25,7 +25,7 @@ from ...compiled import compiled
 from ...descriptions.mesh_contact import LARGEST_TILT, TURN
 from ...descriptions.patches import SpherePatch
 from ...geometry.patches import half_sides
-from ...kinematics.robot import Pad
+from ...kinematics.pads import Pad
 from ..constraint import PER_METRE, Descents, Inside, Residual, Violation
 from ..state import State
 from ..task_model import TaskModel
