@@ -17,6 +17,7 @@ from meshes import ball
 
 import pinograsp
 from pinograsp import Robot, Scene
+from pinograsp.descriptions.mesh_files import mesh_bytes
 from pinograsp.descriptions.shapes import Mesh
 from pinograsp.errors import FileError
 from pinograsp.geometry.object_mesh import object_mesh
@@ -128,6 +129,15 @@ def test_damage_is_told_in_words(name: str, tmp_path: Path) -> None:
         object_mesh(Mesh(file=_file(tmp_path / name, content)))
     assert caught.value.problem.startswith(f"cannot be read as {name[-3:].upper()}: {words}")
     assert caught.value.remedy
+
+
+def test_a_polygon_of_more_corners_than_there_are_is_refused_before_room_is_asked_for(tmp_path: Path) -> None:
+    """pycollada would ask for 300 GB."""
+    for tag in (b"vcount", b"c:vcount"):
+        file = _file(tmp_path / "many.dae", DAE + b"<%b>3 4444 44444444444</%b>" % (tag, tag))
+        with pytest.raises(FileError, match=r"a polygon of 4.44e\+10 corners \(<vcount>\), in \d+ bytes"):
+            mesh_bytes(file)
+    mesh_bytes(_file(tmp_path / "few.dae", DAE + b"<vcount>3 4 7</vcount>"))
 
 
 @pytest.mark.parametrize("name", ["row.ply", "cut.ply", "lost.dae", "range.off", "json.glb"])
