@@ -6,6 +6,7 @@ import contextlib
 import os
 import signal
 import subprocess
+import time
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,9 @@ from faults_machine import (
 )
 from faults_outcomes import rows_of
 from faults_series import Faults
+
+LIVED = 0.2
+"""Share of a command's time after the begin of its workers in which one of them is killed."""
 
 
 def signals(faults: Faults) -> None:
@@ -54,13 +58,13 @@ def _goes_on(faults: Faults, folder: Path, outcomes: Counter[str]) -> None:
 
 
 def workers(faults: Faults) -> None:
-    """Kill one worker at random moments: nothing is lost."""
+    """Kill one worker at random moments after they begin: nothing is lost."""
     for name in (name for name in faults.chosen if name != "report"):
         subject = faults.subjects[name]
         with faults.row("a worker is killed", name) as outcomes:
             for _ in range(faults.moments):
-                folder, moment = faults.started(name), faults.random.uniform(0.2, 1.0) * subject.seconds
-                with faults.judged(outcomes, f"a worker killed after {moment:.3f} s of {name}"):
+                folder, moment = faults.started(name), faults.random.uniform(0.0, LIVED) * subject.seconds
+                with faults.judged(outcomes, f"a worker of {name} killed {moment:.3f} s after it began"):
                     killed: list[int] = []
                     done = faults.machine.run(folder, *subject.words, at=_killer(faults, moment, killed)).require(0)
                     if name == "build" and rows_of(folder / "rows.duckdb") != subject.whole:
@@ -70,12 +74,18 @@ def workers(faults: Faults) -> None:
 
 
 def _killer(faults: Faults, moment: float, killed: list[int]) -> Callable[[subprocess.Popen[str]], None]:
+    """Return what kills a worker some seconds after the first has begun."""
+
+    def workers(process: subprocess.Popen[str]) -> list[int]:
+        return [pid for pid in members(process.pid) if pid != process.pid]
+
     def kill(process: subprocess.Popen[str]) -> None:
+        while process.poll() is None and not workers(process):
+            time.sleep(0.002)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(moment)
-        workers = [pid for pid in members(process.pid) if pid != process.pid]
-        if workers:
-            killed.append(faults.random.choice(workers))
+        if alive := workers(process):
+            killed.append(faults.random.choice(alive))
             with contextlib.suppress(ProcessLookupError):
                 os.kill(killed[0], signal.SIGKILL)
 
