@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import manifold3d
+import meshes
 import numpy as np
 import pytest
 import trimesh
@@ -25,7 +26,9 @@ from pinograsp.descriptions.shapes import Mesh
 from pinograsp.disk import digest_of
 from pinograsp.errors import FileError, InputError
 from pinograsp.geometry import mesh_content
+from pinograsp.geometry.mesh_repair import Repaired, repaired
 from pinograsp.geometry.object_mesh import ObjectMesh, object_mesh
+from pinograsp.geometry.repair_cache import kept_repaired
 from pinograsp.problem.mesh_findings import mesh_findings
 from pinograsp.results.provenance import file_hashes, provenance
 
@@ -546,3 +549,32 @@ def test_a_corner_too_far_away_is_refused(far: float, tmp_path: Path) -> None:
         match=f"has a corner that is .*{far:.3g}".replace("+", r"\+") + " m from its origin, more than 1000 m",
     ):
         read(tmp_path / "far.obj", unit="m")
+
+
+def test_what_was_repaired_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By content and by the size of holes: it is made once, and again where its file is damaged."""
+    monkeypatch.setenv("PINOGRASP_CACHE", str(tmp_path))
+    made: list[float] = []
+
+    def counted(*mesh: Any) -> Repaired:
+        made.append(mesh[2])
+        return repaired(*mesh)
+
+    monkeypatch.setattr("pinograsp.geometry.repair_cache.repaired", counted)
+    vertices, faces = meshes.arrays(meshes.ball(0.02, 2))
+    faces = np.concatenate([faces[1:], faces[5:6]])  # a hole, and a doubled triangle
+    first, second = (kept_repaired("ball", vertices, faces, 0.01) for _ in range(2))
+    assert made == [0.01]
+    assert first.findings == second.findings
+    assert len(first.findings) == 2
+    for name in ("vertices", "faces", "origin", "outer"):
+        one, other = getattr(first, name), getattr(second, name)
+        assert one.dtype == other.dtype
+        np.testing.assert_array_equal(one, other)
+    kept_repaired("ball", vertices, faces, 0.02)
+    kept_repaired("ball", 2.0 * vertices, faces, 0.02)
+    assert made == [0.01, 0.02, 0.02]
+    for file in (tmp_path / "repaired").iterdir():
+        file.write_bytes(file.read_bytes()[:500])
+    kept_repaired("ball", vertices, faces, 0.01)
+    assert len(made) == 4

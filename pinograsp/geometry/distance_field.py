@@ -36,7 +36,7 @@ from .field_nodes import farthest_nodes, nodes_between, some_nodes
 from .hulls import areas
 from .lattice import RIM, Lattice, lattice_of, nodes
 
-VERSION = 11
+VERSION = 12
 """Of how fields are made; to be raised with every change that gives others."""
 
 EXACT, BLENDED = 4.0, 6.0
@@ -44,8 +44,9 @@ EXACT, BLENDED = 4.0, 6.0
 spacings."""
 MARGIN = 8
 """Spacings from the body to where the fine lattice ends."""
-FINEST, MOST_NODES = 0.0005, 3_300_000
-"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 9 bytes for each: less than 30 MB."""
+FINEST, MOST_NODES = 0.0005, 3_100_000
+"""Least spacing, m, and largest number of nodes of the fine lattice, which needs 8 bytes for each: with what is kept of
+the mesh itself, less than 30 MB."""
 COARSE_NODES = 60_000
 APART = 4
 """Nodes of the fine lattice from one where the distance is asked for first to the next."""

@@ -1,6 +1,6 @@
 """The body that a described mesh stands for: triangles in metres, mended, with what is painted on them.
 
-All of it follows from the bytes of the file and the description, and is kept in this process.
+All of it follows from the bytes of the file and the description, and is kept in this process; the repair on the disk.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from ..descriptions.shapes import Mesh
 from ..errors import FileError
 from .mesh_content import MeshContent, Paint, read_content, require_near
 from .mesh_parts import corners_of
-from .mesh_repair import repaired
 from .no_body import NoBodyError
+from .repair_cache import kept_repaired
 
 SMALLEST = 0.002
 """A body that is smaller may have coordinates of another unit, m."""
@@ -67,7 +67,7 @@ def _made(
     metres = metres_in_unit(unit, read.metres, extent)
     require_near(used * metres, file, "Check its numbers, `scale` and `unit`")
     try:
-        body = repaired(scaled * metres, read.faces, largest_hole)
+        body = kept_repaired(file.stem, scaled * metres, read.faces, largest_hole)
     except NoBodyError as error:
         raise FileError(error.problem, file=file, remedy=error.remedy) from None
     findings = (*_of_units(shape, read, extent, metres), *body.findings)
