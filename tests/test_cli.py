@@ -200,7 +200,7 @@ def test_order_of_table_and_page_is_that_of_one_criterion(
     run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """The file keeps its own."""
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: planned)
     code, output, errors = run("plan", "glovebox", "--task", "sphere", "--rank-by", "clearance")
     assert (code, errors) == (0, "")
     rows = [line.split() for line in output.splitlines() if re.match(r" *\d+ +\d+x ", line)]
@@ -216,7 +216,7 @@ def test_order_of_table_and_page_is_that_of_one_criterion(
 def test_an_order_by_what_no_grasp_has_says_so(
     run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: planned)
     for name, said in (("Q", True), ("clearance", False), ("score", False)):
         _, _, errors = run("plan", "glovebox", "--task", "sphere", "--rank-by", name, "--no-html")
         assert ("warning: no grasp has Q; the order is that of score" in errors) == said
@@ -225,7 +225,7 @@ def test_an_order_by_what_no_grasp_has_says_so(
 def test_a_file_that_is_replaced_is_said_to_be(
     run: Run, planned: pinograsp.Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: planned)
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: planned)
     for done in ("written", "replaced"):
         _, output, _ = run("plan", "glovebox", "--task", "sphere", "--no-html")
         assert output.endswith(f"\n{done}: out/glovebox_sphere_gen3_2f85.json\n")
@@ -236,7 +236,7 @@ def test_the_page_of_an_earlier_plan_does_not_stay(
 ) -> None:
     """Neither beside a result without grasps nor beside one whose page is not wanted."""
     page, results = tmp_path / "out" / "glovebox_sphere_gen3_2f85.html", [planned]
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: results[-1])
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: results[-1])
     plan = ("plan", "glovebox", "--task", "sphere")
     for without in ((dataclasses.replace(planned, grasps=()), ()), (planned, ("--no-html",))):
         results.append(planned)

@@ -208,7 +208,7 @@ def test_version(run: Run) -> None:
 
 def test_plan_as_json(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Standard output is the document of the file, messages are on standard error."""
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: result)
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: result)
     code, output, errors = run("plan", "glovebox", "--task", "sphere", "--json", "--no-html")
     written = tmp_path / "out" / "glovebox_sphere_gen3_2f85.json"
     assert code == 0
@@ -217,7 +217,7 @@ def test_plan_as_json(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch,
 
 
 def test_quiet(run: Run, result: Result, file: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: replace(result, warnings=("odd",)))
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: replace(result, warnings=("odd",)))
     assert run("plan", "glovebox", "--task", "sphere", "--quiet", "--no-html") == (0, "", "")
     assert (tmp_path / "out" / "glovebox_sphere_gen3_2f85.json").exists()
     assert run("rank", file, "-q") == (0, "", "")
@@ -230,7 +230,7 @@ def test_quiet(run: Run, result: Result, file: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_warnings_are_on_standard_error(run: Run, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: replace(result, warnings=("the ball is odd",)))
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: replace(result, warnings=("the ball is odd",)))
     _, output, errors = run("plan", "glovebox", "--task", "sphere", "--no-html")
     assert "odd" not in output
     assert errors == "warning: the ball is odd\n"
@@ -240,7 +240,7 @@ def test_files_are_written_before_the_terminal_is(
     run: Run, result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """So that a terminal that is full or gone loses nothing."""
-    monkeypatch.setattr(pinograsp, "plan", lambda *_, **__: result)
+    monkeypatch.setattr(pinograsp.Planner, "plan", lambda *_, **__: result)
 
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")

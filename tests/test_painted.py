@@ -307,7 +307,10 @@ def test_the_painted_can_is_case_3_by_footprints(gen3: Any, painted_can: Any) ->
 
 
 def test_footprints_have_the_slopes_of_their_differences(gen3: Any, painted_can: Any) -> None:
-    """Rows whose least value is between points of the grid have them but for a part of second order."""
+    """Rows whose least value is between points of the grid have them but for a part of second order.
+
+    A value jumps where what is below a point turns away from the pad; no more than one of the rows does so here.
+    """
     problem = GraspProblem(TaskModel(gen3, painted_can, "can_region"), (0, 1))
     middle = 0.5 * (problem.lower + problem.upper)
     place, region = project(problem, middle, "contacts and clearance"), contact_region(problem.model)
@@ -318,7 +321,10 @@ def test_footprints_have_the_slopes_of_their_differences(gen3: Any, painted_can:
         jacobian = region.inside(problem.state(x)).jacobian
         along = rng.normal(size=len(x))
         after, before = (region.inside(problem.state(x + sign * step * along)).values for sign in (1.0, -1.0))
-        np.testing.assert_allclose(jacobian @ along, (after - before) / (2.0 * step), rtol=0.02, atol=0.02)
+        smooth = np.abs(after - before) < 1e-4
+        assert (~smooth).sum() <= 1
+        difference = ((after - before) / (2.0 * step))[smooth]
+        np.testing.assert_allclose((jacobian @ along)[smooth], difference, rtol=0.02, atol=0.02)
 
 
 def test_a_pad_that_touches_nothing_is_in_every_region_but_for_its_contact_point(gen3: Any, painted_can: Any) -> None:
