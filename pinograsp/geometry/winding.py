@@ -28,7 +28,7 @@ from .triangle_tree import pieces
 WAYS = ((0.3391, 0.2173), (-0.2719, 0.3837), (0.1571, -0.4211), (-0.3583, -0.1979))
 """How far a way goes along the first two axes while it goes 1 along the third; no special directions."""
 FEW = 30
-"""Points for which the triangles are not put into a tree."""
+"""Points for which the triangles are not put into a tree along another way than the first."""
 _WAITING = 256
 """Boxes that wait to be looked at, at most."""
 CLEAR = 2.0
@@ -67,7 +67,7 @@ class Winding:
         """Return N of points, shape (n, 3), and whether that is sure, shapes (n,)."""
         counts, sure = np.zeros(len(points)), np.ones(len(points), dtype=bool)
         seen, (vertices, faces) = _seen(points, way), self._surface
-        if way not in self._trees and len(points) <= FEW:
+        if way not in self._trees and way != WAYS[0] and len(points) <= FEW:
             _count_all(_seen(vertices, way)[faces], seen, counts, sure)
             return counts, sure
         if way not in self._trees:
