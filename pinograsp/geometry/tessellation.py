@@ -38,7 +38,8 @@ def refined(tessellation: Tessellation, longest: float) -> Tessellation:
         tessellation: triangles.
         longest: greatest length of an edge, m.
     """
-    finished, corners = [], tessellation.corners
+    whole = _longest_edges(tessellation.corners) <= longest
+    finished, corners = [np.zeros((0, 3, 3))], tessellation.corners[~whole]
     while len(corners):
         edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)  # from each corner to the next
         short = edges.max(axis=1) <= longest
@@ -47,5 +48,15 @@ def refined(tessellation: Tessellation, longest: float) -> Tessellation:
         a, b, c = np.take_along_axis(corners[~short], order[:, :, None], axis=1).transpose(1, 0, 2)
         middle = (a + b) / 2
         corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-    vertices, joined = np.unique(np.concatenate(finished).reshape(-1, 3), axis=0, return_inverse=True)
-    return Tessellation(vertices, joined.reshape(-1, 3))
+    count = len(tessellation.vertices)
+    places = np.concatenate([tessellation.vertices, np.concatenate(finished).reshape(-1, 3)])
+    vertices, joined = np.unique(places, axis=0, return_inverse=True)
+    joined = joined.reshape(-1)
+    return Tessellation(
+        vertices, np.concatenate([joined[tessellation.triangles[whole]], joined[count:].reshape(-1, 3)])
+    )
+
+
+def _longest_edges(corners: Array) -> Array:
+    """Return the length of the longest edge of triangles, shape (n, 3, 3), m, shape (n,)."""
+    return np.asarray(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1))
