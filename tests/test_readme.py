@@ -44,7 +44,7 @@ def test_python_of_the_readme_runs(tmp_path: Path) -> None:
         [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    assert [line for line in done.stderr.splitlines() if "once on this machine" not in line] == []
     assert re.search(r"U = 2\.1[78]", done.stdout)
 
 
