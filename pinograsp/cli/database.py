@@ -14,15 +14,13 @@ from ..interrupts import exit_code
 from ..progress import Progress
 from . import arguments
 from .arguments import as_options, command, given, group, help_alone
-from .database_query import File, query
+from .database_query import NOTHING_FOUND, File, query
 from .folders import file_name, make_folder, save, saved
 from .inputs import read_robot
 from .terminal import Terminal, fail
 
 if TYPE_CHECKING:
     from ..database.coverage import Coverage
-
-NOTHING_FOUND = 1
 
 
 def register(app: typer.Typer) -> None:

@@ -30,7 +30,6 @@ from ..geometry.point_trees import PointTrees
 from ..geometry.shapes import UnevenSurface
 from ..kinematics.forward import Configuration
 from ..kinematics.robot import Robot
-from ..memo import remembered
 from .distances import REACH, Distances, distance_gradients
 from .point_sets import PointSet, planted_sets
 
@@ -78,7 +77,6 @@ class ObjectPoints:
         return Distances(indices, values, gradients)
 
 
-@remembered
 def object_points(robot: Robot, margin: float) -> ObjectPoints:
     """Return the points of all of a robot that keeps off an object, or touches it.
 

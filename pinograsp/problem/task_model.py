@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -106,7 +107,7 @@ class TaskModel:
         """Return the outward normals of the object as a pad feels them at world points, shape (n, 3)."""
         return self.footprint(points)[0] if self.surface.uneven else self.object_surface(points)[1]
 
-    @property
+    @cached_property
     def object_points(self) -> ObjectPoints:
         """The points by which the robot is kept off an uneven object."""
         return object_points(self.robot, self.task.margin.object + MARGIN_EXCESS)
