@@ -142,8 +142,9 @@ def undisguised() -> AbstractContextManager[None]:
     """Return a context: an interrupt that C code has made another error of is raised as what it is.
 
     Where a signal comes while Numba's dispatcher, in C, calls a function to find the types of its arguments, it goes on
-    with the exception set, and Python makes a SystemError of that, of which its callers may make further ones. Python's
-    own locks complain that they are not locked.
+    with the exception set, and Python makes a SystemError of that, of which its callers may make further ones. Pydantic
+    makes an error of what comes out of a function that writes a value. Python's own locks complain that they are not
+    locked.
     """
     return _Undisguised()
 
@@ -188,7 +189,7 @@ class _Undisguised(AbstractContextManager[None]):
 def _raise_undisguised(error: BaseException | None) -> None:
     """Raise the interrupt behind an error, if there is one."""
     behind = error.__context__ if type(error) is RuntimeError else error
-    while isinstance(behind, SystemError):
+    while isinstance(behind, Exception):
         behind = behind.__cause__
     if behind is not error and isinstance(behind, KeyboardInterrupt):
         raise behind from None

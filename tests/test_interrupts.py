@@ -9,13 +9,18 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
+import typer
+from pydantic import BaseModel, WrapSerializer
+from pydantic_core import PydanticSerializationError
+from typer.testing import CliRunner
 
 import pinograsp
 from pinograsp import Robot, Scene
+from pinograsp.cli.arguments import command
 from pinograsp.execution.workers import Processes
 from pinograsp.geometry.shapes import SphereSurface
 from pinograsp.interrupts import exit_code, heard, held, taken, undisguised, watched
@@ -216,6 +221,32 @@ def test_an_interrupt_within_compiled_code_is_one(context: Any, depth: int) -> N
         raise SystemError("another one")
     with pytest.raises(SystemError), context():
         raise SystemError("another one") from ValueError()
+
+
+def interrupted_writing(value: Any, write: Any) -> Any:
+    raise KeyboardInterrupt
+
+
+class Written(BaseModel):
+    value: Annotated[int, WrapSerializer(interrupted_writing)]
+
+
+def test_an_interrupt_within_what_pydantic_writes_is_one() -> None:
+    with pytest.raises(KeyboardInterrupt), undisguised():
+        Written(value=1).model_dump(mode="json")
+
+
+@pytest.mark.parametrize("error", [disguised(1), PydanticSerializationError("Error calling function")])
+def test_a_command_ends_with_a_line_whatever_an_interrupt_looks_like(error: Exception) -> None:
+    error.__cause__ = KeyboardInterrupt()
+    app = typer.Typer()
+
+    def work() -> None:
+        raise error
+
+    command(app, "work")(work)
+    done = CliRunner().invoke(app)
+    assert (done.exit_code, done.stderr) == (130, "error: interrupted\n")
 
 
 def test_an_interrupt_within_a_lock_is_one() -> None:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeVar
 import typer
 
 from ..errors import InputError
-from ..interrupts import watched
+from ..interrupts import undisguised, watched
 from . import completion
 from .terminal import fail
 
@@ -74,7 +74,7 @@ def command(app: typer.Typer, name: str, *examples: str) -> Callable[[Function],
         @functools.wraps(function)
         def interruptible(*arguments: Any, **options: Any) -> None:
             try:
-                with watched() as asked:
+                with watched() as asked, undisguised():
                     function(*arguments, **options)
             except KeyboardInterrupt:
                 fail("interrupted")

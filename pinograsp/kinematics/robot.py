@@ -12,6 +12,7 @@ matrix S (3).
 
 from __future__ import annotations
 
+import json
 import math
 from functools import lru_cache
 from pathlib import Path
@@ -77,7 +78,8 @@ class Robot:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Build again from the description: an unpickled Pinocchio model is not to be trusted."""
-        content, pads = self.unmounted.description.model_dump_json(), tuple(pad.name for pad in self.description.pads)
+        content = json.dumps(self.unmounted.description.model_dump(mode="json"))
+        pads = tuple(pad.name for pad in self.description.pads)
         return (_rebuilt, (content, tuple(sorted(self.files.items())), pads, self.T_world_root))
 
     def mounted(self, T_world_root: Array) -> Robot:

@@ -78,13 +78,11 @@ def painted_depths(region: Painted, points: Array) -> Array:
     Raises:
         FileError: the file cannot be read, or is not that which was described.
     """
-    paint = region.model_copy(update={"beyond": 0.0})
-    return _triangles(paint.model_dump_json()).depths(points) + region.beyond
+    return _triangles(region.model_copy(update={"beyond": 0.0})).depths(points) + region.beyond
 
 
 @lru_cache(maxsize=32)
-def _triangles(described: str) -> PaintedTriangles:
-    region = Painted.model_validate_json(described)
+def _triangles(region: Painted) -> PaintedTriangles:
     mesh = region.mesh
     if mesh is None:
         raise ValueError("the region names no file")
