@@ -10,17 +10,18 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 
-import numpy as np
-
 from ..arrays import Array
 from ..kinematics.wrist import wrist_pose
 from ..problem import DesiredPoints, GraspProblem, Proposal, State
 from ..solver_words import Projection
 from .held_hand import between, brought, turned
-from .projection import descend, initial_guesses, nearest_assignment
+from .projection import descend, initial_guesses, miss, nearest_assignment
 
 NEAR = 0.02
 """Norm of the scaled residual up to which a projected start is solved from before it is projected onto other pairs."""
+BROUGHT = 0.008
+"""Norm of the scaled residual up to which a hand that was brought to a pair is solved from: of those that miss the
+conditions by more hardly one leads to a grasp."""
 CLOSE = 1e-3
 """Norm of the scaled residual at which an arm is close enough to be solved from, 10 micrometres: the rest is quicker
 there."""
@@ -50,9 +51,9 @@ def held_guesses(problem_of: ProblemOf, start: State, proposed: Sequence[Proposa
         for hold in sorted((turned(hold, here) for hold in pair.holds), key=partial(between, here))[:HOLDS]:
             problem = problem_of(hold.assignment, pair.desired)
             x = brought(problem, start.x, hold)
-            if x is not None and _miss(problem, x) <= FAR:
+            if x is not None and miss(problem, x) <= FAR:
                 guess = descend(problem, 0.0, 1.0, x, 0.0, done=CLOSE)
-                if _miss(problem, guess) <= NEAR:
+                if miss(problem, guess) <= BROUGHT:
                     yield problem, guess
 
 
@@ -72,10 +73,10 @@ def nearest_first(
     """
     others = []
     for problem, guess in islice(_projected(problem_of, start, proposed, onto), GUESSES):
-        if (miss := _miss(problem, guess)) <= NEAR:
+        if (missed := miss(problem, guess)) <= NEAR:
             yield problem, guess
         else:
-            others.append((miss, problem, guess))
+            others.append((missed, problem, guess))
     for _, problem, guess in sorted(others, key=lambda other: other[0]):
         yield problem, guess
 
@@ -94,8 +95,3 @@ def _projected(problem_of: ProblemOf, start: State, proposed: Sequence[Proposal]
                 ways.remove(way)
             else:
                 yield problem, guess
-
-
-def _miss(problem: GraspProblem, x: Array) -> float:
-    """Return the norm of the residual of the conditions at a point, scaled."""
-    return float(np.linalg.norm(problem.projection_residual(x, 0.0, 1.0).values))

@@ -21,7 +21,7 @@ from ..problem import GraspProblem, Hold, TaskModel
 from ..problem.contact_pairs import ContactPair, Held, desired_points
 from ..problem.pair_holds import Holds
 from .held_hand import BETWEEN, between, turned, turned_about
-from .projection import descend
+from .projection import descend, miss
 
 WAYS = 3
 """Ways to hold a pair that are tried, at most."""
@@ -33,8 +33,9 @@ of the scaled residual above which the pair is given up: of starts that are led 
 to a grasp, of others one of four."""
 TURNS = np.arange(0.0, math.tau, 2.0 * BETWEEN)
 """By which a hand that holds a pair is turned about the line through it, and looked at, rad."""
-LITTLE = 0.3
-"""Norm of the scaled residual up to which it may be turned so."""
+LITTLE, LEAST, CLOSE = 0.3, 0.004, 1e-3
+"""Norm of the scaled residual up to which a turned hand may come to hold the pair; that up to which it does, after a
+descent; and that at which this ends. Bumps of a rough surface are in the way at some turns, by 0.1 mm and more."""
 COVERED = 0.2
 """A way that differs by less from a hand that was found, turned, is not tried, rad."""
 FAR = 100.0
@@ -106,7 +107,7 @@ class PairTrials:
         x = np.clip(x, problem.lower, problem.upper)
         for targets, stalled, within in DESCENTS:
             x = descend(problem, targets, 1.0, x, stalled)
-            if np.linalg.norm(problem.projection_residual(x, 0.0, 1.0).values) > within:
+            if miss(problem, x) > within:
                 return None
         state = problem.state(x)
         moved = np.linalg.norm(state.contacts.points - state.desired, axis=1)
@@ -120,10 +121,10 @@ class PairTrials:
         contacts = Contacts((points - T[:3, 3]) @ T[:3, :3], normals @ T[:3, :3], twists)
         across = contacts.normals[0] - contacts.normals[1]
         origin, along = contacts.points.mean(axis=0), across / np.linalg.norm(across)
-        turns = []
-        for turn in TURNS:
+        turns = [0.0]
+        for turn in TURNS[1:]:
             there = self._with_object(pair, problem.assignment, T @ turned_about(origin, along, -turn))
-            if np.linalg.norm(there.projection_residual(x, 0.0, 1.0).values) <= LITTLE:
+            if miss(there, x) <= LITTLE and miss(there, descend(there, 0.0, 1.0, x, 0.3, done=CLOSE)) <= LEAST:
                 turns.append(turn)
         hand, parameters = x[robot.arm_size : robot.posture_size], x[robot.posture_size :]
         T_wrist = np.linalg.inv(T) @ wrist_pose(state.configuration)

@@ -96,6 +96,11 @@ def descend(
     )
 
 
+def miss(problem: GraspProblem, x: Array) -> float:
+    """Return the norm of the scaled residual of the constraints at a point, shape (v,)."""
+    return float(np.linalg.norm(problem.projection_residual(x, 0.0, 1.0).values))
+
+
 def least_squares(
     residual_at: Callable[[Array], Residual],
     x: Array,
