@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conftest import Array
 
+from pinograsp import threads
 from pinograsp.geometry import in_threads
 from pinograsp.geometry.in_threads import AT_ONCE
 
@@ -17,7 +18,7 @@ POINTS = np.random.default_rng(0).normal(size=(4 * AT_ONCE + 3, 3))
 
 @pytest.fixture(autouse=True)
 def _four_cores(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(in_threads, "_cores", lambda: 4)
+    monkeypatch.setattr(threads, "_cores", lambda: 4)
 
 
 def _threads_that_work() -> set[threading.Thread]:

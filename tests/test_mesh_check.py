@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import igl
 import numpy as np
 import pytest
 import trimesh
@@ -15,6 +16,7 @@ from meshes import arrays, bracket, mug
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 from test_verification import ROOM, Case, names, scene_with
 
 from pinograsp.descriptions import Scene, load_robot_description
@@ -27,12 +29,13 @@ from pinograsp.errors import FileError
 from pinograsp.verification import Certificate
 from pinograsp.verification.check import Verifier
 from pinograsp.verification.claim import Claim
+from pinograsp.verification.crossing_kernels import LAYER
 from pinograsp.verification.crossings import Crossings, crossings_of
 from pinograsp.verification.forces import balance_figures
 from pinograsp.verification.free_balls import sides
 from pinograsp.verification.meshes import _link_mesh
 from pinograsp.verification.object_mesh import object_mesh
-from pinograsp.verification.openings import Openings
+from pinograsp.verification.openings import DOUBT, Openings, distance_of_ways
 from pinograsp.verification.outlines import half_sides, points_of, rubber_at
 from pinograsp.verification.patches import heights, nearest_on_patch
 from pinograsp.verification.pieces import in_pieces
@@ -255,12 +258,69 @@ def test_winding_numbers_are_doubtful_near_openings_and_between_several() -> Non
     rim = np.column_stack([ring.real, ring.imag, np.zeros(60)])
     dome = np.column_stack([np.arange(60), np.roll(np.arange(60), -1), np.full(60, 60)])
     one = np.vstack([rim, [0, 0, -1]])
-    heights, none = np.array([[0, 0, 1.1], [0, 0, 1.2]]), np.zeros(2)
+    heights, none = ways_at(np.array([[0, 0, 1.1], [0, 0, 1.2]])), np.zeros(2)
     assert Openings(one, dome).near(heights, none).tolist() == [True, False]
     assert Openings(one, dome).near(heights, none + 0.1).tolist() == [True, True]
+    past = np.array([[[-9, 0, 1.1], [9, 0, 1.1]], [[-9, 0, 1.2], [9, 0, 1.2]], [[2, 0, 1.1], [9, 0, 1.1]]])
+    assert Openings(one, dome).near(past, np.zeros(3)).tolist() == [True, False, False]
     other = one * [1, 1, -1] + [0, 0, 2.4]
     both = Openings(np.vstack([one, other]), np.vstack([dome, dome[:, ::-1] + 61]))
-    assert both.near(np.array([[0, 0, 1.2], [0, 0, -3.0]]), none).tolist() == [True, False]
+    assert both.near(ways_at(np.array([[0, 0, 1.2], [0, 0, -3.0]])), none).tolist() == [True, False]
+
+
+def ways_at(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ways that begin and end at points."""
+    return np.stack([points, points], axis=1)
+
+
+def test_next_to_a_slit_winding_numbers_are_sure() -> None:
+    """A block whose top is cut along 1 m, the lips bent 1 mm apart.
+
+    Its 0.5e-3 m^2 are at most a quarter of all that is seen from 12.6 mm. In the ball around the slit, and along it,
+    all ways are sure that are not nearer than that.
+    """
+    plate = np.array([[-0.5, 0, 0], [0.5, 0, 0], [0, 0.0005, 0], [0, -0.0005, 0], [0, 1, 0], [0, -1, 0]])
+    plate = np.vstack([plate, [0, 0, -0.3]])
+    sides_below = [[0, 4, 6], [4, 1, 6], [1, 5, 6], [5, 0, 6]]
+    faces = np.array([[0, 2, 4], [2, 1, 4], [0, 5, 3], [3, 5, 1], *sides_below])
+    openings, rng = Openings(plate, faces), np.random.default_rng(0)
+    assert openings.near(ways_at(np.array([[0, 0, 0.0135], [0, 0, 0.01]])), np.zeros(2)).tolist() == [False, True]
+    along = np.array([[[-0.4, 0, 0.02], [0.4, 0, 0.02]], [[-0.4, 0, 0.02], [0.4, 0, 0.001]]])
+    assert openings.near(along, np.zeros(2)).tolist() == [False, True]
+    assert openings.near(along, np.full(2, 0.009)).tolist() == [True, True]
+    points = rng.uniform(-0.3, 0.3, (3000, 3)) * [1, 0.1, 0.1]
+    numbers = igl.winding_number(plate, faces, points)
+    sure = ~openings.near(ways_at(points), np.zeros(len(points)))
+    assert sure.sum() > 1000
+    assert np.abs(numbers - np.round(numbers))[sure].max() < DOUBT
+    # A way into the slit is not.
+    assert openings.near(np.array([[[0.1, 0, 0.3], [0.1, 0, 0]]]), np.zeros(1)).all()
+
+
+def test_distances_of_ways_from_rods_are_the_least_of_all_their_points() -> None:
+    """Against many points of each, ways that are parallel, that meet, and that are points among them."""
+    rng = np.random.default_rng(0)
+    ways = rng.normal(size=(60, 2, 2, 3))
+    ways[:10, 1] = ways[:10, 0] + rng.normal(size=(10, 1, 3))
+    ways[10:20, 0, 1] = ways[10:20, 0, 0]
+    ways[20:25, 1, 1] = ways[20:25, 1, 0]
+    ways[25:30, 1, 0] = ways[25:30, 0].mean(axis=1)
+    shares = np.linspace(0.0, 1.0, 401)[:, None]
+    for (start, end), (begin, finish) in ways:
+        apart = cdist(start + shares * (end - start), begin + shares * (finish - begin)).min()
+        assert apart - 0.02 <= distance_of_ways(start, end, begin, finish) <= apart + 1e-12
+
+
+def test_ways_clear_of_all_triangles_are_found() -> None:
+    """Of a box: ways outside, inside, through a side, along one at half and at twice the layer, and through an edge."""
+    box = trimesh.creation.box(extents=[1.0, 1.0, 1.0])
+    of = Triangles(*arrays(box))
+    _, around, _ = crossings_of(of.vertices, of.faces, of.normals, of.middles[:, None].repeat(2, axis=1), 1e-6)
+    ways = [[[-1, 0, 0.6], [1, 0, 0.6]], [[-0.4, 0, 0], [0.4, 0.3, 0.4]], [[0, 0.1, 0], [0, 0.1, 2]]]
+    ways += [[[-0.4, 0.1, 0.5 + h], [0.4, 0.1, 0.5 + h]] for h in (0.5 * LAYER, 2.0 * LAYER)]
+    ways += [[[0.3, 0, 0.6], [0.6, 0, 0.3]]]
+    begins, ends = np.array(ways).transpose(1, 0, 2)
+    assert around.avoided(begins, ends).tolist() == [True, True, False, False, True, False]
 
 
 def test_what_lies_on_triangles_does_not_cross_them() -> None:

@@ -83,7 +83,7 @@ def test_the_number_of_cores_changes_nothing(monkeypatch: pytest.MonkeyPatch) ->
     points = np.random.default_rng(0).uniform(-1.5, 1.5, (2 * AT_ONCE + 5, 3))
     found = []
     for cores in (1, 5):
-        monkeypatch.setattr("pinograsp.geometry.in_threads._cores", lambda cores=cores: cores)
+        monkeypatch.setattr("pinograsp.threads._cores", lambda cores=cores: cores)
         found.append((*nearest(triangle_tree(vertices, faces), points), Winding(vertices, faces).numbers(points)))
     for one, other in zip(*found, strict=True):
         np.testing.assert_array_equal(one, other)

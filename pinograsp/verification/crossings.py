@@ -7,18 +7,16 @@ that does, but for corners and edges that they share. Triangles whose boxes meet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..arrays import Array, Indices, Integers, Mask
-from ..compiled import compiled
+from ..threads import on_all_cores
+from .crossing_kernels import LAYER, are_avoided, are_free, boxes_around, pairs_that_cross
 
-LAYER = 1e-7
-"""Distance from a triangle within which other ones lie on it or touch it, m."""
-_PARALLEL = 1e-9
-"""Length of the cross product of directions below which it has none."""
-_SHORT = 1e-12
-"""Length of a way below which it has no direction, m."""
+AT_ONCE = 4096
+"""Triangles that a thread takes at a time."""
 _BITS = 10
 """Of a coordinate, by which triangles are put in an order that keeps neighbours together."""
 
@@ -49,13 +47,29 @@ class Crossings:
             starts: shape (n, 3), m.
             ends: shape (n, 3), m.
         """
-        return _free(numbers, starts, ends, self.corners, self.normals, self.starts, self.others)
+        return are_free(numbers, starts, ends, self.corners, self.normals, self.starts, self.others)
+
+
+@dataclass(frozen=True)
+class Around:
+    """All triangles in a tree of boxes around them."""
+
+    corners: Array
+    """In the order of the tree, shape (f, 3 corners, 3), m."""
+    normals: Array
+    """Unit length, shape (f, 3)."""
+    boxes: tuple[Array, Array, int]
+    """As of `boxes_around`."""
+
+    def avoided(self, starts: Array, ends: Array) -> Mask:
+        """Return which straight ways, shape (n, 3), m, are clear of all triangles, shape (n,)."""
+        return are_avoided(starts, ends, self.corners, self.normals, *self.boxes)
 
 
 def crossings_of(
     vertices: Array, faces: Integers, normals: Array, looks: Array, within: float
-) -> tuple[Crossings, Mask]:
-    """Return what crosses each triangle, and which looks another one may be near to, shape (f, 2).
+) -> tuple[Crossings, Around, Mask]:
+    """Return what crosses each triangle, all triangles, and which looks another one may be near to, shape (f, 2).
 
     What lies on a triangle is not near to looks at it.
 
@@ -68,12 +82,21 @@ def crossings_of(
     """
     corners = np.ascontiguousarray(vertices[faces])
     order = _order(corners.mean(axis=1))
-    pairs, close = _pairs(corners[order], normals[order], np.ascontiguousarray(faces[order]), looks[order], within)
+    ordered, seen = np.ascontiguousarray(faces[order]), looks[order]
+    around = Around(corners[order], normals[order], boxes_around(corners[order], 2.0 * within + LAYER))
+    close = np.zeros((len(faces), 2), dtype=bool)
+
+    def pairs_from(start: int) -> Integers:
+        end = min(start + AT_ONCE, len(faces))
+        return pairs_that_cross(around.corners, around.normals, ordered, seen, within, *around.boxes, start, end, close)
+
+    pairs = np.concatenate(on_all_cores([partial(pairs_from, start) for start in range(0, len(faces), AT_ONCE)]))
     near = np.empty_like(close)
     near[order] = close
     one, other = order[pairs[:, 0]], order[pairs[:, 1]]
     starts = np.concatenate([[0], np.bincount(one, minlength=len(faces)).cumsum()])
-    return Crossings(corners, normals, starts.astype(np.intp), other[one.argsort(kind="stable")]), near
+    crossings = Crossings(corners, normals, starts.astype(np.intp), other[one.argsort(kind="stable")])
+    return crossings, around, near
 
 
 def _order(points: Array) -> Indices:
@@ -85,210 +108,3 @@ def _order(points: Array) -> Indices:
         for axis in range(3):
             place |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
     return place.argsort(kind="stable")
-
-
-@compiled
-def _pairs(corners: Array, normals: Array, faces: Integers, looks: Array, within: float) -> tuple[Integers, Mask]:
-    """Return pairs of a triangle and one that crosses it, shape (n, 2), and which looks others may be near to."""
-    low, high, size = _boxes(corners, 2.0 * within + LAYER)
-    pairs, count = np.empty((1024, 2), dtype=np.int64), 0
-    close = np.zeros((len(corners), 2), dtype=np.bool_)
-    stack = np.empty(128, dtype=np.int64)
-    for i in range(len(corners)):
-        up = size + i
-        while up > 1:  # all after it are below the right one of two, on the way up
-            stack[0], waiting = up + 1, 1 - up % 2
-            while waiting > 0:
-                waiting -= 1
-                node = stack[waiting]
-                if not _meet(low, high, size + i, node):
-                    continue
-                if node < size:
-                    stack[waiting], stack[waiting + 1] = 2 * node, 2 * node + 1
-                    waiting += 2
-                    continue
-                j = node - size
-                _note_near(corners, normals, looks, within, i, j, close)
-                _note_near(corners, normals, looks, within, j, i, close)
-                first, second = _crossing(corners, normals, faces, i, j)
-                if count + 2 > len(pairs):
-                    larger = np.empty((2 * len(pairs), 2), dtype=np.int64)
-                    larger[:count] = pairs[:count]
-                    pairs = larger
-                if first:
-                    pairs[count, 0], pairs[count, 1] = i, j
-                    count += 1
-                if second:
-                    pairs[count, 0], pairs[count, 1] = j, i
-                    count += 1
-            up //= 2
-    return pairs[:count], close
-
-
-@compiled
-def _boxes(corners: Array, reach: float) -> tuple[Array, Array, int]:
-    """Return a tree of boxes around triangles: low and high ends, of node 2 k and 2 k + 1 in k, and the first leaf."""
-    size = 1
-    while size < len(corners):
-        size *= 2
-    low, high = np.full((2 * size, 3), np.inf), np.full((2 * size, 3), -np.inf)
-    for i in range(len(corners)):
-        for k in range(3):
-            low[size + i, k] = min(corners[i, 0, k], corners[i, 1, k], corners[i, 2, k]) - 0.5 * reach
-            high[size + i, k] = max(corners[i, 0, k], corners[i, 1, k], corners[i, 2, k]) + 0.5 * reach
-    for node in range(size - 1, 0, -1):
-        for k in range(3):
-            low[node, k] = min(low[2 * node, k], low[2 * node + 1, k])
-            high[node, k] = max(high[2 * node, k], high[2 * node + 1, k])
-    return low, high, size
-
-
-@compiled
-def _meet(low: Array, high: Array, one: int, other: int) -> bool:
-    found = True
-    for k in range(3):
-        found &= low[one, k] <= high[other, k] and low[other, k] <= high[one, k]
-    return found
-
-
-@compiled
-def _note_near(corners: Array, normals: Array, looks: Array, within: float, i: int, j: int, close: Mask) -> None:
-    """Note which looks at a triangle another one, which does not lie on it, may be near to."""
-    for side in range(2):
-        if not close[i, side] and _may_be_near(corners[j], normals[j], looks[i, side], within):
-            close[i, side] = not _on(corners[i], normals[i], corners[j])
-
-
-@compiled
-def _may_be_near(triangle: Array, normal: Array, point: Array, within: float) -> bool:
-    """Whether a point is within a distance of the plane of a triangle, and of its box."""
-    if abs(_height(triangle, normal, point)) > within:
-        return False
-    for k in range(3):
-        if point[k] < min(triangle[0, k], triangle[1, k], triangle[2, k]) - within:
-            return False
-        if point[k] > max(triangle[0, k], triangle[1, k], triangle[2, k]) + within:
-            return False
-    return True
-
-
-@compiled
-def _crossing(corners: Array, normals: Array, faces: Integers, i: int, j: int) -> tuple[bool, bool]:
-    """Whether of two triangles the second one crosses the first one, and the first one the second one."""
-    common, own, other = 0, 0, 0
-    for a in range(3):
-        for b in range(3):
-            if faces[i, a] == faces[j, b]:
-                common, own, other = common + 1, a, b
-    if common == 0 and not _apart(corners[i], normals[i], corners[j], normals[j]):
-        return not _on(corners[i], normals[i], corners[j]), not _on(corners[j], normals[j], corners[i])
-    both = common == 1 and (
-        _pierced(corners[i], normals[i], corners[j], other) or _pierced(corners[j], normals[j], corners[i], own)
-    )
-    return both, both
-
-
-@compiled
-def _free(
-    numbers: Indices, begins: Array, ends: Array, corners: Array, normals: Array, starts: Indices, others: Indices
-) -> Mask:
-    found = np.ones(len(numbers), dtype=np.bool_)
-    for k in range(len(numbers)):
-        for at in range(starts[numbers[k]], starts[numbers[k] + 1]):
-            if not _avoided(corners[others[at]], normals[others[at]], begins[k], ends[k]):
-                found[k] = False
-                break
-    return found
-
-
-@compiled
-def _avoided(triangle: Array, normal: Array, start: Array, end: Array) -> bool:
-    """Whether a triangle and a straight way are more than `LAYER` apart."""
-    way, across = np.empty((3, 3)), np.empty(3)
-    way[0], way[1], way[2] = start, end, end
-    across[:] = np.cross(normal, end - start)
-    length = np.sqrt((across * across).sum())
-    across /= max(length, _SHORT)
-    return _apart(triangle, normal, way, across)
-
-
-@compiled
-def _on(triangle: Array, normal: Array, other: Array) -> bool:
-    """Whether another triangle lies in the plane of a triangle."""
-    farthest = 0.0
-    for k in range(3):
-        farthest = max(farthest, abs(_height(triangle, normal, other[k])))
-    return farthest <= LAYER
-
-
-@compiled
-def _height(triangle: Array, normal: Array, point: Array) -> float:
-    height = 0.0
-    for k in range(3):
-        height += normal[k] * (point[k] - triangle[0, k])
-    return height
-
-
-@compiled
-def _apart(first: Array, one: Array, second: Array, other: Array) -> bool:
-    """Whether a plane has two triangles on its sides, `LAYER` apart, given their unit normals.
-
-    It is asked of planes along one of them, along an edge of each, and across one of them along an edge of its own.
-    """
-    if _parted(first, second, one[0], one[1], one[2]) or _parted(first, second, other[0], other[1], other[2]):
-        return True
-    for i in range(3):
-        a, b, c = _edge(first, i)
-        if _parted_across(first, second, one[0], one[1], one[2], a, b, c):
-            return True
-        d, e, f = _edge(second, i)
-        if _parted_across(first, second, other[0], other[1], other[2], d, e, f):
-            return True
-        for j in range(3):
-            d, e, f = _edge(second, j)
-            if _parted_across(first, second, a, b, c, d, e, f):
-                return True
-    return False
-
-
-@compiled
-def _edge(triangle: Array, number: int) -> tuple[float, float, float]:
-    start, end = triangle[number], triangle[(number + 1) % 3]
-    return end[0] - start[0], end[1] - start[1], end[2] - start[2]
-
-
-@compiled
-def _parted_across(first: Array, second: Array, a: float, b: float, c: float, d: float, e: float, f: float) -> bool:
-    """Whether two triangles are more than `LAYER` apart in the direction across two that are not parallel."""
-    x, y, z = b * f - c * e, c * d - a * f, a * e - b * d
-    length = np.sqrt(x * x + y * y + z * z)
-    if length <= _PARALLEL * np.sqrt((a * a + b * b + c * c) * (d * d + e * e + f * f)):
-        return False
-    return _parted(first, second, x / length, y / length, z / length)
-
-
-@compiled
-def _parted(first: Array, second: Array, x: float, y: float, z: float) -> bool:
-    """Whether two triangles are more than `LAYER` apart in a direction of unit length."""
-    low, high, other_low, other_high = np.inf, -np.inf, np.inf, -np.inf
-    for k in range(3):
-        place = first[k, 0] * x + first[k, 1] * y + first[k, 2] * z
-        low, high = min(low, place), max(high, place)
-        place = second[k, 0] * x + second[k, 1] * y + second[k, 2] * z
-        other_low, other_high = min(other_low, place), max(other_high, place)
-    return low > other_high + LAYER or other_low > high + LAYER
-
-
-@compiled
-def _pierced(triangle: Array, normal: Array, other: Array, common: int) -> bool:
-    """Whether a triangle is met by the edge, opposite a common corner, of another one that does not lie on it.
-
-    What comes within `LAYER` of it meets it: on which side of it an end that touches it is, is a matter of rounding.
-    """
-    start, end = other[(common + 1) % 3], other[(common + 2) % 3]
-    first, second = _height(triangle, normal, start), _height(triangle, normal, end)
-    if min(abs(first), abs(second)) > LAYER and first * second > 0.0:
-        return False
-    if max(abs(first), abs(second)) <= LAYER:
-        return False
-    return not _avoided(triangle, normal, start, end)

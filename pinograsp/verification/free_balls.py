@@ -36,8 +36,8 @@ def sides(
     rest = rest[(-radii[rest]).argsort(kind="stable")]  # of large balls few lie apart
     partners = _partners(points, radii, np.concatenate([np.flatnonzero(told), rest]), len(rest), _OVERLAP)
     linked = np.flatnonzero(partners >= 0)
-    one, other = points[rest[linked]], points[partners[linked]]
-    doubtful = openings.near(0.5 * (one + other), 0.5 * np.sqrt(((one - other) ** 2).sum(axis=1)))
+    ways = np.stack([points[rest[linked]], points[partners[linked]]], axis=1)
+    doubtful = openings.near(ways, np.zeros(len(ways)))
     partners[linked[doubtful]] = -1
     found, asked = inside.copy(), rest[partners < 0]
     found[asked] = contains(points[asked])

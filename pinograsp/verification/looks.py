@@ -5,12 +5,14 @@ look, if there is such a place. Over an edge that two triangles share, a way lea
 other. Where no triangle crosses it, both have the same sides: one look tells of all that hang together.
 
 A triangle bounds the body if there is an outside next to it somewhere. Of one that others cross, or that has no seat of
-which that can be said, it is asked at many places.
+which that can be said, it is looked at many places. A look is as another one that a straight way leads to, clear of all
+triangles; of the rest it is asked.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,8 +20,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array, Indices, Mask
-from .crossings import Crossings, crossings_of
-from .openings import Openings
+from .crossings import Around, Crossings, crossings_of
+from .openings import Openings, rods
 from .plain_faces import Triangles
 
 BESIDE = 1e-6
@@ -55,9 +57,10 @@ def seen(of: Triangles, openings: Openings, distances: Distances, contains: Cont
         contains: whether points are inside of what they enclose.
     """
     looks = np.stack([of.middles + step * of.normals for step in (BESIDE, -BESIDE)], axis=1)
-    crossings, close = crossings_of(of.vertices, of.faces, of.normals, looks, ALONE)
-    clear = ~openings.near(of.middles, of.radii)
-    seats = of.middles.copy()
+    crossings, around, close = crossings_of(of.vertices, of.faces, of.normals, looks, ALONE)
+    longest, heights = rods(of.corners)
+    closed = ~openings.near(longest, heights + BESIDE)
+    clear, seats = closed.copy(), of.middles.copy()
     doubtful = np.flatnonzero(clear & close.any(axis=1))
     clear[doubtful], seats[doubtful] = _seats(of, doubtful, distances)
     told, teller = one_for_all(of.beside, linked(of, crossings, clear, seats), of.radii)
@@ -67,7 +70,8 @@ def seen(of: Triangles, openings: Openings, distances: Distances, contains: Cont
     front, back = front[teller], back[teller]
     inner = np.flatnonzero(front & back & (crossings.crossed | ~clear))
     bounding = ~front | ~back
-    bounding[inner] = _has_outside(of, inner, crossings, clear[inner], seats[inner], distances, contains)
+    within = _Inner(of, inner, seats[inner], closed[inner], clear[inner])
+    bounding[inner] = _has_outside(within, crossings, around, distances, contains)
     return {
         **{"front": front, "back": back, "clear": clear, "seats": seats, "bounding": bounding},
         **{"starts": crossings.starts, "others": crossings.others},
@@ -87,25 +91,41 @@ def _seats(of: Triangles, numbers: Indices, distances: Distances) -> tuple[Mask,
 
 def _alone(of: Triangles, numbers: Indices, places: Array, distances: Distances) -> Mask:
     """Return at which places on triangles, shape (n, 3), nothing else is near to looks in front of them and behind."""
+    return np.asarray((distances(_beside(of, numbers, places)) > ALONE).reshape(2, -1).all(axis=0))
+
+
+def _beside(of: Triangles, numbers: Indices, places: Array) -> Array:
+    """Return looks in front of places on triangles, shape (n, 3), and after them those behind, m, shape (2 n, 3)."""
     steps = BESIDE * of.normals[numbers]
-    return np.asarray((distances(places + steps) > ALONE) & (distances(places - steps) > ALONE))
+    return np.concatenate([places + steps, places - steps])
 
 
-def _has_outside(
-    of: Triangles,
-    numbers: Indices,
-    crossings: Crossings,
-    clear: Mask,
-    seats: Array,
-    distances: Distances,
-    contains: Contains,
-) -> Mask:
-    """Return which triangles that have the inside on both sides of their seats have an outside next to them elsewhere.
+@dataclass(frozen=True)
+class _Inner:
+    """Triangles with the inside on both sides of their seats."""
 
-    Where a way leads to from a place that tells, a seat or another one where they are alone, is as it is there.
+    of: Triangles
+    """All triangles."""
+    numbers: Indices
+    """Of these, shape (n,)."""
+    seats: Array
+    """Shape (n, 3), m."""
+    closed: Mask
+    """Which have no opening near to them, shape (n,)."""
+    clear: Mask
+    """Which of these are alone at their seats, shape (n,)."""
+
+
+def _has_outside(inner: _Inner, crossings: Crossings, around: Around, distances: Distances, contains: Contains) -> Mask:
+    """Return which triangles have an outside next to them elsewhere, shape (n,).
+
+    Where a way on a triangle leads to from a place that tells, a seat or another one where it is alone, is as it is
+    there; so is a look that a way leads to from the look at the seat, clear of all triangles.
     """
+    of, numbers = inner.of, inner.numbers
     found = np.zeros(len(numbers), dtype=bool)
-    known, tells = seats[:, None], clear[:, None]
+    known, tells = inner.seats[:, None], inner.clear[:, None]
+    looks = _beside(of, numbers, inner.seats).reshape(2, -1, 3)
     for shares in _PLACES:
         rest = np.flatnonzero(~found)
         places = of.at(shares, numbers)
@@ -113,10 +133,12 @@ def _has_outside(
         for other in range(known.shape[1]):
             told[rest] |= tells[rest, other] & crossings.free(numbers[rest], known[rest, other], places[rest])
         rest = rest[~told[rest]]
-        for step in (BESIDE, -BESIDE):
-            asked = rest[~found[rest]]
-            found[asked] = ~contains(places[asked] + step * of.normals[numbers[asked]])
-        rest = rest[clear[rest]]
+        asked = _beside(of, numbers[rest], places[rest])
+        doubtful = ~np.tile(inner.closed[rest], 2) | ~around.avoided(looks[:, rest].reshape(-1, 3), asked)
+        outside = np.zeros(len(asked), dtype=bool)
+        outside[doubtful] = ~contains(asked[doubtful])
+        found[rest] = outside.reshape(2, -1).any(axis=0)
+        rest = rest[inner.clear[rest]]
         told[rest] = _alone(of, numbers[rest], places[rest], distances)
         known = np.concatenate([known, places[:, None]], axis=1)
         tells = np.column_stack([tells, told])

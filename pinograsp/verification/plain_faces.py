@@ -87,7 +87,7 @@ class Sides:
         of = self._triangles
         side, owners = _sides(points, numbers, feet, of.corners, of.normals, of.beside, self._clear)
         told = side != _UNTOLD
-        told &= ~self._openings.near(0.5 * (points + feet), 0.5 * np.sqrt(((points - feet) ** 2).sum(axis=1)))
+        told &= ~self._openings.near(np.stack([points, feet], axis=1), np.zeros(len(points)))
         for number in owners:
             told &= self._crossings.free(number, feet, self._seats[number])
         chosen = owners[0]
