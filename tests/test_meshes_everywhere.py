@@ -21,6 +21,7 @@ from pinograsp.cli.hold import _lines
 from pinograsp.descriptions import Scene
 from pinograsp.errors import FileError
 from pinograsp.geometry.convex_solid import convex_solid
+from pinograsp.geometry.filled import filled
 from pinograsp.geometry.hulls import Hull
 from pinograsp.geometry.shapes import surface_of
 from pinograsp.hold.object_pieces import Standoff
@@ -116,12 +117,12 @@ def test_inertia_and_volume(tmp_path: Path) -> None:
     """Of a box off its frame's origin; of a truncated cone as of its triangles."""
     away = trimesh.creation.box((0.02, 0.03, 0.05)).apply_translation((0.1, 0.02, -0.03))
     box = Mesh(**mesh_shape(away, tmp_path, "box.stl"))
-    assert box.volume == pytest.approx(3e-5, rel=1e-5)
+    assert filled(box).volume == pytest.approx(3e-5, rel=1e-5)
     expected = np.diag([0.03**2 + 0.05**2, 0.02**2 + 0.05**2, 0.02**2 + 0.03**2]) / 12.0
     np.testing.assert_allclose(object_body("it", box).inertia, expected, atol=1e-9)
     both = Compound(parts=({"shape": box}, {"shape": box, "pose": {"position": (-0.2, 0.0, 0.0)}}))
-    assert both.volume == pytest.approx(6e-5, rel=1e-5)
-    np.testing.assert_allclose(both.centroid, (0.0, 0.02, -0.03), atol=1e-7)
+    assert filled(both).volume == pytest.approx(6e-5, rel=1e-5)
+    np.testing.assert_allclose(filled(both).centroid, (0.0, 0.02, -0.03), atol=1e-7)
     apart = expected + np.diag([0.0, 0.01, 0.01])
     np.testing.assert_allclose(object_body("it", both).inertia, apart, atol=1e-7)
     cone = Cone(bottom_radius=0.03, top_radius=0.01, height=0.05)

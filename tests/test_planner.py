@@ -16,6 +16,7 @@ from places import changed
 from pinograsp import InputError, Progress, Result, Robot, SolverOptions, build_database, plan, write_json
 from pinograsp.database import build, sampling
 from pinograsp.descriptions import Scene
+from pinograsp.geometry.filled import center_of_mass_world
 from pinograsp.problem import TaskModel
 from pinograsp.verification import Certificate, Claim
 from pinograsp.verification.check import Verifier
@@ -133,7 +134,7 @@ def test_contact_forces_carry_the_weight(result: Result, glovebox: Scene) -> Non
     wrench = np.array(glovebox.tasks["sphere"].wrench.force)
     for grasp in result.grasps:
         force = sum(contact.force for contact in grasp.contacts)
-        arms = [contact.point - scene_object.center_of_mass_world for contact in grasp.contacts]
+        arms = [contact.point - center_of_mass_world(scene_object) for contact in grasp.contacts]
         torque = sum(np.cross(arm, c.force) for arm, c in zip(arms, grasp.contacts, strict=True))
         np.testing.assert_allclose(force + wrench, 0.0, atol=5e-3)
         np.testing.assert_allclose(torque, 0.0, atol=1e-4)

@@ -29,6 +29,7 @@ from pinograsp.descriptions import Scene, load_robot_description, shipped_robots
 from pinograsp.descriptions.patches import SpherePatch
 from pinograsp.descriptions.shapes import Cylinder, Shape, Sphere
 from pinograsp.descriptions.urdf import read_urdf
+from pinograsp.geometry.filled import center_of_mass_world
 from pinograsp.onboarding.check import check_robot
 from pinograsp.onboarding.parts import TOOL_FRAMES
 from pinograsp.problem import GraspProblem, Residual, TaskModel, check_task
@@ -376,7 +377,7 @@ def off_its_pad(contact: Contact, robot: Robot, poses: dict[str, Array]) -> floa
 def assert_held(grasp: Grasp, scene: Scene, task: str) -> None:
     """Contacts on the object, forces that push, within the friction cones, and carry the weight."""
     held, wanted = scene.objects[task], scene.tasks[task]
-    arms = np.array([contact.point for contact in grasp.contacts]) - held.center_of_mass_world
+    arms = np.array([contact.point for contact in grasp.contacts]) - center_of_mass_world(held)
     forces = np.array([contact.force for contact in grasp.contacts])
     np.testing.assert_allclose([above(arm, held.shape) for arm in arms], 0.0, atol=2e-5)
     np.testing.assert_allclose(forces.sum(axis=0) + wanted.wrench.force, 0.0, atol=5e-3)
@@ -421,14 +422,14 @@ def test_three_of_four_fingers_hold(name: str, task: str, result: Result) -> Non
         )
         assert grasp.synergy.shape == (10,)
         assert grasp.contact_parameters.shape == (6,)
-        arms = np.array([contact.point for contact in grasp.contacts]) - held.center_of_mass_world
+        arms = np.array([contact.point for contact in grasp.contacts]) - center_of_mass_world(held)
         G = np.block([[np.eye(3)] * 3, [pin.skew(arm) / held.shape.radius for arm in arms]])
         assert np.linalg.matrix_rank(G, tol=1e-3) == 6
         assert grasp.internal_forces.shape == (6,)  # 12 components of force and spin torque, less 6
         posture = np.concatenate([grasp.q_arm, grasp.synergy])
         mounted = robot.mounted(scene.mounting.matrix)
         T = poses_of(mounted.model, mounted.joint_positions(posture))[ring.link]
-        tip = T[:3, :3] @ ring.patch.origin + T[:3, 3] - held.center_of_mass_world
+        tip = T[:3, :3] @ ring.patch.origin + T[:3, 3] - center_of_mass_world(held)
         if task == "sphere":
             assert np.linalg.norm(tip) >= held.shape.radius + ring.patch.radius - 1e-6
 

@@ -26,6 +26,7 @@ from pinograsp.descriptions.shapes import (
     Cone,
     Cylinder,
     Ellipsoid,
+    FormulaShape,
     Mesh,
     ShapeDescription,
     Sphere,
@@ -62,11 +63,16 @@ FURTHER = (Cone(bottom_radius=0.0, top_radius=0.03, height=0.06), Cone(bottom_ra
 # ---- a shape that the package does not have
 
 
-class Bead(ShapeDescription):
+class Bead(FormulaShape):
     """A ball around the origin."""
 
     type: Literal["bead"]
     diameter: Positive
+
+    @property
+    def volume(self) -> float:
+        """m^3."""
+        return math.pi / 6.0 * self.diameter**3
 
 
 class BeadSurface(SphereSurface):

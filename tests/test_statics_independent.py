@@ -29,6 +29,7 @@ from scipy import linalg, optimize, sparse
 import pinograsp
 from pinograsp.descriptions import Scene, robot_for
 from pinograsp.descriptions.hand import SoftFinger
+from pinograsp.geometry.filled import center_of_mass_world
 from pinograsp.verification.jacobians import jacobian
 from pinograsp.verification.robot import read_robot
 
@@ -55,7 +56,7 @@ class Springs:
         kinematics = read.kinematics.mounted(setup.scene.mounting.matrix)
         rates = read.synergies.rates(kinematics.joints)
         poses = kinematics.poses(grasp.joints)
-        center = setup.scene.objects[self.task.object].center_of_mass_world
+        center = center_of_mass_world(setup.scene.objects[self.task.object])
         G, J, self.compliance, self.parts = [], [], [], []
         self.names = list(rates)
         self.S = np.array(list(rates.values()))

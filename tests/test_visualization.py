@@ -17,6 +17,7 @@ from pinograsp.descriptions import load_robot_description, load_scene
 from pinograsp.descriptions.urdf import read_urdf
 from pinograsp.disk import write_whole
 from pinograsp.errors import InputError
+from pinograsp.geometry.filled import center_of_mass_world
 from pinograsp.results import Contact, Cost, Grasp, Result, Setup
 from pinograsp.results.configuration_check import ConfigurationCheck
 from pinograsp.verification.certificate import Certificate, Figure, PairClearance
@@ -51,7 +52,7 @@ def scene():
 @pytest.fixture(scope="module")
 def grasp(robot, scene):
     """Sim. 1 of the paper, roughly: the jaw closes along world y."""
-    center, radius = scene.objects["sphere"].center_of_mass_world, scene.objects["sphere"].shape.radius
+    center, radius = center_of_mass_world(scene.objects["sphere"]), scene.objects["sphere"].shape.radius
 
     def contact(pad, side):
         n = np.array([0.0, side, 0.0])
@@ -179,7 +180,7 @@ def test_forces_end_at_the_contacts_in_one_scale(picture, grasp, scene):
         node = f"contacts/{contact.pad}/force/"
         tip = head_end(objects, transforms, node)
         np.testing.assert_allclose(tip, contact.point, atol=1e-9)
-    center = scene.objects["sphere"].center_of_mass_world
+    center = center_of_mass_world(scene.objects["sphere"])
     tip = head_end(objects, transforms, "wrench/")
     np.testing.assert_allclose(tip, center + scale * np.array([0.0, 0.0, -2.0]), atol=1e-9)
 
@@ -198,7 +199,7 @@ def test_the_camera_is_outside_the_box_and_turns_about_its_target(picture, scene
 
 
 def test_the_close_up_copes_with_contacts_above_each_other(grasp, scene):
-    center = scene.objects["sphere"].center_of_mass_world
+    center = center_of_mass_world(scene.objects["sphere"])
     shifts = (np.array([0.0, 0.0, 0.03]), np.array([0.0, 0.0, -0.03]))
     contacts = tuple(
         dataclasses.replace(contact, point=center + shift)
@@ -431,9 +432,9 @@ def test_the_cone_of_approach_directions_opens_towards_the_hand(robot, scene, gr
     show(dataclasses.replace(grasp, setup=Setup(robot, turned, "sphere")), Visualizer(window=recorder))
     assert [c["path"] for c in recorder.commands if c["path"].endswith("approach") and c["type"] == "set_object"]
     target = turned.objects["sphere"]
-    piece = approach.cone(target.center_of_mass_world, np.array([0.0, 0.0, 1.0]), angle)
+    piece = approach.cone(center_of_mass_world(target), np.array([0.0, 0.0, 1.0]), angle)
     points = piece.geometry.vertices @ piece.T[:3, :3].T
-    np.testing.assert_allclose(piece.T[:3, 3], target.center_of_mass_world)
+    np.testing.assert_allclose(piece.T[:3, 3], center_of_mass_world(target))
     lengths = np.linalg.norm(points, axis=1)
     off = np.arccos(np.clip(points[lengths > 0.1, 2] / approach.LENGTH, -1.0, 1.0))
     assert lengths.max() == pytest.approx(approach.LENGTH)

@@ -29,6 +29,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions import robot_for
 from ..descriptions.pose import Pose
+from ..geometry.filled import center_of_mass
 from ..geometry.shapes import surface_of
 from ..kinematics.robot import Robot
 from ..results import Grasp
@@ -133,7 +134,7 @@ class Judge:
     def _verifier(self, T_world_object: Array, draw: Draw) -> Verifier:
         """Return the verifier of the scene as it is with these errors."""
         scene, name = self.setup.scene, self.setup.task
-        center = tuple((self.body.center_of_mass_object + draw.center_of_mass).tolist())
+        center = tuple((center_of_mass(self.body) + draw.center_of_mass).tolist())
         body = self.body.model_copy(update={"pose": Pose.of(T_world_object), "center_of_mass": center})
         contact = self.task.contact.model_copy(update={"friction": max(draw.friction, NO_FRICTION)})
         task = self.task.model_copy(update={"contact": contact, "withstand": None})

@@ -2,12 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
-import numpy as np
-
-from ..arrays import Array
-from ..frozen import frozen
 from .model import Frozen
 from .pose import Pose
 from .shapes import Shape
@@ -30,15 +24,3 @@ class Object(Body):
     """In the object's frame, m; by default that of its shape, filled evenly."""
     mass: Positive | None = None
     """kg; by default what a task's external force weighs in the gravity of the scene."""
-
-    @cached_property
-    def center_of_mass_object(self) -> Array:
-        """Centre of mass in the object's frame, m, shape (3,); read-only."""
-        given = self.center_of_mass
-        return np.asarray(frozen(np.array(self.shape.centroid if given is None else given)))
-
-    @cached_property
-    def center_of_mass_world(self) -> Array:
-        """Centre of mass in the world, m, shape (3,); read-only."""
-        T = self.pose.matrix
-        return np.asarray(frozen(T[:3, :3] @ self.center_of_mass_object + T[:3, 3]))

@@ -7,8 +7,7 @@ verification, in `pinograsp.verification.shapes.GEOMETRY`. Nothing else knows wh
 from __future__ import annotations
 
 import math
-from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -18,14 +17,15 @@ from .model import Frozen
 from .pose import Pose
 from .values import Size, SizeOrNone, Sizes3, listed, wrong
 
-if TYPE_CHECKING:
-    from .filled_mesh import Filled
-
 
 class ShapeDescription(Frozen):
     """A shape in its own frame; each class narrows `type` to its name."""
 
     type: str
+
+
+class FormulaShape(ShapeDescription):
+    """A shape of one part that formulas describe."""
 
     @property
     def centroid(self) -> tuple[float, float, float]:
@@ -38,7 +38,7 @@ class ShapeDescription(Frozen):
         raise NotImplementedError(f"the shape {self.type} has no volume")
 
 
-class Sphere(ShapeDescription):
+class Sphere(FormulaShape):
     """A ball around the origin of its frame; its radius in m."""
 
     type: Literal["sphere"] = "sphere"
@@ -51,7 +51,7 @@ class Sphere(ShapeDescription):
         return 4.0 / 3.0 * math.pi * self.radius**3
 
 
-class Box(ShapeDescription):
+class Box(FormulaShape):
     """A box centred at the origin of its frame, edges along its axes."""
 
     type: Literal["box"] = "box"
@@ -64,7 +64,7 @@ class Box(ShapeDescription):
         return math.prod(self.size)
 
 
-class Cylinder(ShapeDescription):
+class Cylinder(FormulaShape):
     """A cylinder around the z axis of its frame, centred at the origin; radius and height in m."""
 
     type: Literal["cylinder"] = "cylinder"
@@ -79,7 +79,7 @@ class Cylinder(ShapeDescription):
         return math.pi * self.radius**2 * self.height
 
 
-class Capsule(ShapeDescription):
+class Capsule(FormulaShape):
     """A ball swept along a part of the z axis of its frame, centred at the origin; radius and length in m."""
 
     type: Literal["capsule"] = "capsule"
@@ -94,7 +94,7 @@ class Capsule(ShapeDescription):
         return math.pi * self.radius**2 * (self.length + 4.0 / 3.0 * self.radius)
 
 
-class Cone(ShapeDescription):
+class Cone(FormulaShape):
     """A cone around the z axis of its frame, whole or truncated; its height, along z, is centred at the origin."""
 
     type: Literal["cone"] = "cone"
@@ -125,7 +125,7 @@ class Cone(ShapeDescription):
         return 0.0, 0.0, 0.25 * self.height * (top**2 - bottom**2) / (bottom**2 + bottom * top + top**2)
 
 
-class Ellipsoid(ShapeDescription):
+class Ellipsoid(FormulaShape):
     """A ball stretched along the axes of its frame, centred at the origin; semi-axes in m."""
 
     type: Literal["ellipsoid"] = "ellipsoid"
@@ -144,26 +144,6 @@ class Mesh(ShapeDescription, MeshFile):
     type: Literal["mesh"] = "mesh"
     file: MeshAddress
     """STL, OBJ, PLY, GLB, DAE or OFF; relative to the scene file, absolute or `package://`; absolute once read."""
-
-    @property
-    def centroid(self) -> tuple[float, float, float]:
-        """Centre of mass of the body filled evenly, m; the file is read when it is first asked.
-
-        Raises:
-            FileError: the file cannot be read, is not that which was described, or encloses nothing.
-        """
-        return self._filled.centroid
-
-    @property
-    def volume(self) -> float:
-        """m^3; what parts of the body share counts in each of them. Errors as of `centroid`."""
-        return self._filled.volume
-
-    @cached_property
-    def _filled(self) -> Filled:
-        from .filled_mesh import filled  # which needs more time to import than all of the descriptions
-
-        return filled(self)
 
 
 SHAPES = Kinds(Sphere, Box, Cylinder, Capsule, Cone, Ellipsoid, Mesh)
@@ -193,22 +173,6 @@ class Compound(ShapeDescription):
     type: Literal["compound"] = "compound"
     parts: Annotated[tuple[Part, ...], BeforeValidator(listed), Field(min_length=1)]
     """At least one, in the compound's frame."""
-
-    @property
-    def volume(self) -> float:
-        """m^3; what parts share counts in each of them."""
-        return sum(part.shape.volume for part in self.parts)
-
-    @property
-    def centroid(self) -> tuple[float, float, float]:
-        """Centre of mass of the parts filled evenly, in the compound's frame, m; what they share counts in each."""
-        sums = [0.0, 0.0, 0.0]
-        for part in self.parts:
-            T, share = part.pose.matrix, part.shape.volume / self.volume
-            for axis in range(3):
-                turned = sum(T[axis, k] * part.shape.centroid[k] for k in range(3))
-                sums[axis] += share * float(turned + T[axis, 3])
-        return sums[0], sums[1], sums[2]
 
 
 SHAPES.add(Compound)

@@ -21,6 +21,7 @@ from ..descriptions import robot_for
 from ..descriptions.hand import PadDescription
 from ..descriptions.mesh_keys import mesh_keys
 from ..errors import InputError
+from ..geometry.filled import center_of_mass
 from ..geometry.shapes import surface_of
 from ..results import Grasp, Setup
 from ..verification.check import Verifier
@@ -224,7 +225,7 @@ class HandAndObject:
     def _add_object(self, world: ET.Element, assets: ET.Element, pose: Array) -> None:
         body = ET.SubElement(world, "body", placed(pose), name=OBJECT)
         ET.SubElement(body, "freejoint", name=OBJECT)
-        _add_inertial(body, self._object.center_of_mass_object, self._mass, self._mass * self._body.inertia)
+        _add_inertial(body, center_of_mass(self._object), self._mass, self._mass * self._body.inertia)
         touching = {"contype": "2", "conaffinity": "1", "rgba": "0.85 0.45 0.15 1"}
         for k, geom in enumerate(self._body.geoms):
             ET.SubElement(body, "geom", geom | touching, name=f"{OBJECT}:{k}")

@@ -13,6 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..descriptions.shapes import Mesh
 from ..geometry.cover_cache import body_cover
+from ..geometry.filled import filled
 from ..geometry.hulls import Hull, areas, spread
 from ..geometry.object_mesh import object_mesh
 
@@ -37,9 +38,9 @@ def object_pieces(shape: Mesh) -> tuple[Array, ...]:
 def filled_inertia(shape: Mesh) -> Array:
     """Return the inertia of the body filled evenly about its centre of mass per mass, m^2, shape (3, 3).
 
-    It is that of tetrahedra between the triangles and the centre, with signed volumes.
+    It is that of tetrahedra between the triangles and the centre, with signed volumes: what parts share counts in each.
     """
-    a, b, c = (object_mesh(shape).triangles - shape.centroid).transpose(1, 0, 2)
+    a, b, c = (object_mesh(shape).triangles - filled(shape).centroid).transpose(1, 0, 2)
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
     # The integral of x x^T over a tetrahedron with a corner at 0: V / 20 (aa + bb + cc + ss), s = a + b + c.
     squares = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, a + b + c))

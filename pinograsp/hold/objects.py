@@ -22,6 +22,7 @@ from ..descriptions.shapes import (
     Sphere,
 )
 from ..errors import InputError, TaskError
+from ..geometry.filled import filled
 from ..geometry.shapes import surface_of
 from .drive import numbers
 from .object_pieces import filled_inertia, object_pieces
@@ -116,12 +117,14 @@ def object_body(name: str, shape: ShapeDescription) -> ObjectBody:
     """
     parts = shape.parts if isinstance(shape, Compound) else (Part(shape=shape),)
     solids = [(_solid(name, part.shape), part.pose.matrix) for part in parts]
-    center, inertia = np.array(shape.centroid), np.zeros((3, 3))
-    for part, (solid, T) in zip(parts, solids, strict=True):
+    each = [filled(part.shape) for part in parts]
+    center, inertia = filled(shape).centroid, np.zeros((3, 3))
+    volume = sum(of.volume for of in each)
+    for of, (solid, T) in zip(each, solids, strict=True):
         R = T[:3, :3]
-        arm = R @ part.shape.centroid + T[:3, 3] - center
+        arm = R @ of.centroid + T[:3, 3] - center
         turned = R @ solid.inertia @ R.T + arm @ arm * np.eye(3) - np.outer(arm, arm)
-        inertia += turned if len(parts) == 1 else part.shape.volume / shape.volume * turned
+        inertia += of.volume / volume * turned
     geoms = tuple(solid.geom | placed(T) for solid, T in solids if solid.geom)
     pieces = tuple(piece @ T[:3, :3].T + T[:3, 3] for solid, T in solids for piece in solid.pieces)
     return ObjectBody(geoms, pieces, inertia)

@@ -7,6 +7,7 @@ import numpy as np
 from ..descriptions import Scene, Task
 from ..descriptions.shapes import Compound, Mesh
 from ..errors import TaskError
+from ..geometry.filled import center_of_mass
 from ..geometry.shapes import Surface, surface_of
 from .angle_findings import angle_findings
 from .loads import check_load
@@ -71,7 +72,7 @@ def check_task(model: TaskModel) -> list[str]:
 def _center_of_mass_odd(model: TaskModel) -> list[str]:
     """Return what is odd about the centre of mass: millimetres that are given for metres, for one."""
     name, surface = model.task.object, model.surface
-    center = model.scene.objects[name].center_of_mass_object
+    center = center_of_mass(model.scene.objects[name])
     beyond = float(np.linalg.norm(center)) - surface.radius
     if beyond <= 0.0:
         return []

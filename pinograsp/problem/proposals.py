@@ -29,6 +29,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import TaskError
+from ..geometry.filled import center_of_mass
 from ..geometry.shapes import Surface, surface_of
 from ..kinematics.reach import arm_reach
 from ..mechanics import Contacts, grasp_statics, solve_forces
@@ -138,7 +139,7 @@ class Proposals:
         if not some:
             return []
         points = np.array([candidate.pair.points for candidate in some])
-        center = np.array(self._model.scene.objects[self._model.task.object].center_of_mass_object)
+        center = center_of_mass(self._model.scene.objects[self._model.task.object])
         order = [int(np.linalg.norm(points.mean(axis=1) - center, axis=1).argmin())]
         gaps = _gaps(points, order[0])
         while len(order) < min(KEPT, len(some)):

@@ -16,6 +16,7 @@ from ..collision.world import BodyKey, Role
 from ..descriptions import Scene, Task, robot_for
 from ..descriptions.hand import PadDescription, SoftFinger
 from ..geometry.contact_faces import ContactFace, Flat, placed
+from ..geometry.filled import center_of_mass, center_of_mass_world
 from ..geometry.regions import membership
 from ..geometry.shapes import UnevenSurface, surface_of
 from ..kinematics.forward import Configuration
@@ -38,7 +39,7 @@ class TaskModel:
         self.collisions = CollisionModel(self.robot, task_world(self.robot, scene, self.task))
         target = scene.objects[self.task.object]
         self.surface = surface_of(target.shape)
-        self._size = self.surface.radius_about(target.center_of_mass_object)
+        self._size = self.surface.radius_about(center_of_mass(target))
         region = scene.region_of(self.task)
         self.region = None if region is None else membership(region)
         self._place_object()
@@ -59,7 +60,7 @@ class TaskModel:
         self.desired_points, self.desired_normals = self.desired(np.array(self.task.desired_contacts or ()))
         """As `DesiredPoints` has them; shape (0, 3) of a task that leaves them out."""
         self.approach = approach_cone(self.task, self.T_world_object)
-        self.load = Load(target.center_of_mass_world, self.scene.wrench_of(self.task).vector, self._size)
+        self.load = Load(center_of_mass_world(target), self.scene.wrench_of(self.task).vector, self._size)
 
     def moved(self, name: str, scene: Scene) -> TaskModel:
         """Return the model after an object has moved; nothing is rebuilt.

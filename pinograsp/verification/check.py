@@ -72,8 +72,9 @@ class Verifier:
         self._rates = read.synergies.rates(self._kinematics.joints)
         self._T_world_object = body.pose.matrix
         self._target = PlacedShape(self._task.object, body)
-        computed = self._target.centroid if body.center_of_mass is None else None
-        self._center_of_mass = body.center_of_mass_world if computed is None else computed
+        self._center_of_mass = self._target.to_world(
+            self._target.centroid if body.center_of_mass is None else np.array(body.center_of_mass)
+        )
         self._radius = self._target.radius_about(self._center_of_mass)
         obstacles = [PlacedShape(name, body) for name, body in scene.bodies_besides(self._task).items()]
         self._clearances = Clearances(read, self._task, self._pads, scene.enclosure.walls, self._target, obstacles)

@@ -42,6 +42,7 @@ from ..arrays import Array, Indices, Integers, Mask
 from ..descriptions.mesh_contact import FACES, SIGMAS, THICK_SHARE
 from ..disk import digest
 from .coal_bodies import hull_corners, hull_solid, triangle_tree
+from .filled import Filled, closed, counted_again, enclosed
 from .free_balls import sides
 from .looks import seen
 from .openings import Openings
@@ -139,11 +140,16 @@ class TriangleBody:
         return np.asarray(slope / length) if length > 0.0 else np.full(3, np.nan)
 
     @cached_property
-    def centroid(self) -> Array:
-        """Centre of mass of the body filled evenly, shape (3,): of tetrahedra from the middle, with signed volumes."""
-        a, b, c = (self.vertices - self.middle)[self._around].transpose(1, 0, 2)
-        volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-        return np.asarray(self.middle + 0.25 * volumes @ (a + b + c) / volumes.sum())
+    def filled(self) -> Filled:
+        """Integrals over the body, openings closed; what parts share counts once."""
+        vertices, faces = closed(self.vertices, self._around)
+        whole = enclosed(vertices, faces)
+        if self._sides.bounding.all():
+            return whole
+        winding = igl.FastWindingNumberBVH()
+        winding.init(vertices, faces)
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        return whole.less(counted_again(lambda points: np.rint(winding.winding_number(points)), low, high))
 
     @cached_property
     def sigma(self) -> float:

@@ -8,6 +8,7 @@ import trimesh
 from ..arrays import Array
 from ..descriptions.bodies import Object
 from ..descriptions.task import ApproachCone
+from ..geometry.filled import center_of_mass_world
 from . import colors
 from .symbols import Look, Piece, between, draw
 from .viewer import Visualizer, geometry
@@ -22,7 +23,7 @@ def draw_approach(node: Visualizer, approach: ApproachCone, target: Object) -> N
     """Draw the cone with its apex at the object's centre of mass; it opens against the direction, towards the hand."""
     R = target.pose.matrix[:3, :3] if approach.frame == "object" else np.eye(3)
     toward = R @ np.array(approach.direction)
-    piece = cone(target.center_of_mass_world, -toward, approach.angle)
+    piece = cone(center_of_mass_world(target), -toward, approach.angle)
     draw(node, piece, Look(colors.APPROACH, 0.2, colors.CONE_LAYER))
 
 

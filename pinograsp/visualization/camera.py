@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
+from ..geometry.filled import center_of_mass_world
 from ..results.grasp import Grasp
 from .viewer import Visualizer
 
@@ -33,7 +34,7 @@ def whole_box(scene: Scene, task: Task) -> View:
     low, high = np.array(scene.enclosure.min), np.array(scene.enclosure.max)
     reach = _reach(scene, task)
     direction = reach - 0.36 * np.cross(UP, reach) + 0.5 * UP
-    target = 0.75 * (low + high) / 2 + 0.25 * scene.objects[task.object].center_of_mass_world
+    target = 0.75 * (low + high) / 2 + 0.25 * center_of_mass_world(scene.objects[task.object])
     return _view(target, direction, 0.9 * float(np.linalg.norm(high - low)) / 2)
 
 
@@ -46,7 +47,7 @@ def close_up(grasp: Grasp, scene: Scene, task: Task) -> View:
     if across @ reach < 0:
         across = -across
     direction = across - 0.35 * np.cross(UP, across) + 0.35 * UP
-    center = scene.objects[task.object].center_of_mass_world + 0.2 * CLOSE_UP_RADIUS * UP
+    center = center_of_mass_world(scene.objects[task.object]) + 0.2 * CLOSE_UP_RADIUS * UP
     return _view(center, direction, CLOSE_UP_RADIUS)
 
 
@@ -74,7 +75,7 @@ def y_up(p: Array) -> list[float]:
 
 def _reach(scene: Scene, task: Task) -> Array:
     """Return the horizontal unit vector from the mounting to the object, shape (3,)."""
-    reach = scene.objects[task.object].center_of_mass_world - np.array(scene.mounting.position)
+    reach = center_of_mass_world(scene.objects[task.object]) - np.array(scene.mounting.position)
     reach[2] = 0.0
     length = float(np.linalg.norm(reach))
     return reach / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])

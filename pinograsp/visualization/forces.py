@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..descriptions import Scene, Task
+from ..geometry.filled import center_of_mass_world
 from ..results.grasp import Contact, Grasp
 from . import colors
 from .symbols import Look, arrow, ball, draw, friction_cone
@@ -25,7 +26,7 @@ def draw_forces(viewer: Visualizer, grasp: Grasp, scene: Scene, task: Task) -> N
     scale = arrow_scale([weight, *(contact.force for contact in grasp.contacts)])
     for contact in grasp.contacts:
         draw_contact(child(viewer["contacts"], contact.pad), contact, task.contact.friction, scale)
-    center = scene.objects[task.object].center_of_mass_world
+    center = center_of_mass_world(scene.objects[task.object])
     draw_arrow(viewer["wrench"], center, center + scale * weight, colors.WRENCH)
 
 

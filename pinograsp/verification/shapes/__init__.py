@@ -36,6 +36,7 @@ from .cone import ConeGeometry
 from .core import Geometry
 from .cylinder import CylinderGeometry
 from .ellipsoid import EllipsoidGeometry
+from .filled import filled
 from .mesh import MeshGeometry
 from .sphere import SphereGeometry
 
@@ -90,19 +91,25 @@ class PlacedShape:
 
     def __init__(self, name: str, body: Body) -> None:
         self.name = name
-        self._geometry = geometry_of(body.shape)
+        self._shape, self._geometry = body.shape, geometry_of(body.shape)
         T = body.pose.matrix
         self._rotation, self.center = T[:3, :3], T[:3, 3]
         self.limits = self._geometry.limits
-        found = self._geometry.centroid
-        self.centroid = None if found is None else self._rotation @ found + self.center
-        """Centre of mass of the shape filled evenly, world, m, shape (3,); None where the description has it."""
         self.parts = tuple(PlacedPart(name, geometry, T @ pose) for geometry, pose in self._geometry.parts)
         """Parts, of which a link is as far as from the nearest."""
 
     def to_object(self, point: Array) -> Array:
         """Transform world points, shape (..., 3), into the frame of the body."""
         return np.asarray((point - self.center) @ self._rotation)
+
+    def to_world(self, point: Array) -> Array:
+        """Transform a point of the frame of the body, shape (3,), into the world."""
+        return np.asarray(self._rotation @ point + self.center)
+
+    @property
+    def centroid(self) -> Array:
+        """Centre of mass of the body filled evenly, in its frame, m, shape (3,)."""
+        return filled(self._shape, geometry_of).centroid
 
     def distance(self, point: Array) -> float:
         """Signed distance of a world point, shape (3,), to the surface, m."""

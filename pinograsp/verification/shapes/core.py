@@ -59,8 +59,6 @@ class Geometry(Protocol):
     middle: Array
     """Centre of a ball that holds the shape, shape (3,)."""
     limits: Limits
-    centroid: Array | None
-    """Centre of mass of the shape filled evenly, shape (3,); None where the description has it by a formula."""
 
     @property
     def parts(self) -> tuple[tuple[Geometry, Array], ...]:
@@ -125,7 +123,6 @@ class FormulaGeometry:
     vertices: Array = np.zeros((1, 3))
     middle: Array = np.zeros(3)
     limits: Limits = FORMULA
-    centroid: Array | None = None
 
     @property
     def parts(self: Geometry) -> tuple[tuple[Geometry, Array], ...]:

@@ -36,7 +36,6 @@ class MeshGeometry:
         self._body = object_mesh(shape)
         self.cores: tuple[Core, ...] = (Core(self._body.solid, 0.0),)
         self.hull = Core(self._body.hull, 0.0)
-        self.centroid: Array | None = self._body.centroid
         self.members, self.vertices, self.middle = self._body.members, self._body.vertices, self._body.middle
 
     @property
