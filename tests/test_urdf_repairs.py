@@ -80,6 +80,17 @@ PLACEHOLDERS = {
         '<box size="1 1 1"/></geometry><material name="m"/></visual>',
         None,
     ),
+    "a second mimic": (
+        '<mimic joint="slide_l"',
+        '<mimic joint="slide_l"/><mimic xyz="1 0 0"/><mimic joint="slide_l" multiplier="5"',
+        "a second <mimic> of <joint> slide_r",
+    ),
+    "a second axis": (
+        '<joint name="a1" type="revolute">',
+        '<joint name="a1" type="revolute"><axis xyz="0 0 1"/>',
+        "a second <axis> of <joint> a1",
+    ),
+    "a second shape": ("</geometry>", '<sphere radius="3"/></geometry>', "a second <sphere> of <geometry>"),
     "a type in other letters": ('name="a1" type="revolute"', 'name="a1" type="Revolute"', "of a1, taken as revolute"),
 }
 

@@ -15,6 +15,16 @@ from ..errors import InputError
 from .pose import Pose
 from .urdf_checks import JOINT_TYPES, SIZES, number
 
+SINGLE = {
+    "joint": ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics", "safety_controller", "calibration"),
+    "link": ("inertial",),
+    "inertial": ("origin", "mass", "inertia"),
+    "collision": ("origin", "geometry"),
+    "visual": ("origin", "geometry", "material"),
+    "geometry": ("*",),
+}
+"""Elements of which their owner has one."""
+
 
 def repair(tree: ET.Element, file: Path) -> list[str]:
     """Put right in a URDF what does not matter; return a remark on each thing that was passed over.
@@ -28,7 +38,7 @@ def repair(tree: ET.Element, file: Path) -> list[str]:
     """
     if not tree.get("name"):
         tree.set("name", file.stem)
-    remarks = _without_foreign_names(tree)
+    remarks = [*_without_foreign_names(tree), *_once(tree)]
     for joint in tree.findall("joint"):
         remarks += _joint(joint)
     for link in tree.findall("link"):
@@ -81,6 +91,17 @@ def _without_foreign_names(tree: ET.Element) -> list[str]:
             element.remove(child)
             count += 1
     return [f"{count} names with a prefix that stands for nothing"] if count else []
+
+
+def _once(tree: ET.Element) -> list[str]:
+    """Take out second elements where there is one for all readers, who take the first."""
+    remarks = []
+    for owner in (element for element in tree.iter() if element.tag in SINGLE):
+        for tag in SINGLE[owner.tag]:
+            for second in owner.findall(tag)[1:]:
+                owner.remove(second)
+                remarks.append(f"a second <{second.tag}> of <{owner.tag}> {owner.get('name', '')}".rstrip())
+    return list(dict.fromkeys(remarks))
 
 
 def _unbound(name: str) -> bool:
