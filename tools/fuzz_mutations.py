@@ -67,9 +67,9 @@ def mutate_tree(tree: Tree, rng: random.Random) -> None:
             case 5 if isinstance(part, int | float) and not isinstance(part, bool):
                 block[key] = part * rng.choice((0.99, 1.01, -1, 0, 1e3, 1e-3, 57.3)) + rng.choice((0, 0, 1e-3, 1))
             case 6 | 7:
-                block[key] = rng.choice(alike(part))
+                block[key] = copy.deepcopy(rng.choice(alike(part)))  # one that is changed later is no other's
             case _:
-                block[key] = rng.choice([*NUMBERS, *TEXTS, *OTHERS])
+                block[key] = copy.deepcopy(rng.choice([*NUMBERS, *TEXTS, *OTHERS]))
 
 
 def alike(part: Any) -> list[Any]:
