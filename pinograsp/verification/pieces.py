@@ -1,6 +1,7 @@
 """Triangles in pieces without long edges: boxes around needles hold much that is not near them.
 
-Edges are halved, each for all triangles that have it, so that pieces share corners and edges as triangles do.
+Edges are halved, each for all triangles that have it, so that pieces share corners and edges as triangles do. Thousands
+of needles side by side would be a hundred pieces each: there, longer edges stay.
 """
 
 from __future__ import annotations
@@ -8,6 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Array, Indices, Integers
+
+FOR_EACH, BESIDES = 2, 50_000
+"""Pieces at most, for each triangle and besides."""
 
 
 def edges_of(ends: Integers) -> tuple[Integers, Indices]:
@@ -23,15 +27,22 @@ def edges_of(ends: Integers) -> tuple[Integers, Indices]:
 
 
 def in_pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, Integers, Indices]:
-    """Return triangles with no edge longer than a length, m: corners, faces, and the face that each is a piece of.
+    """Return triangles with no edge longer than a length: corners, faces, and the face that each is a piece of.
 
     Args:
         vertices: shape (v, 3), m.
         faces: shape (f, 3).
-        longest: m.
+        longest: m; it is doubled until there are no more than 2 f + 50,000 pieces.
     """
+    while (found := _divided(vertices, faces, longest, FOR_EACH * len(faces) + BESIDES)) is None:
+        longest *= 2.0
+    return found
+
+
+def _divided(vertices: Array, faces: Integers, longest: float, most: int) -> tuple[Array, Integers, Indices] | None:
+    """Return triangles in pieces with no longer edge, as `in_pieces`; None if there are more than `most`."""
     owners = np.arange(len(faces))
-    while True:
+    while len(faces) <= most:
         ends = faces[:, [[1, 2], [2, 0], [0, 1]]]  # of the edges opposite the corners
         long = np.linalg.norm(vertices[ends[:, :, 1]] - vertices[ends[:, :, 0]], axis=2) > longest
         if not long.any():
@@ -51,6 +62,7 @@ def in_pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, 
             found += [np.stack(part, axis=1) for part in parts]
             of += [owners[chosen]] * len(parts)
         faces, owners = np.concatenate(found), np.concatenate(of)
+    return None
 
 
 def _parts(many: int, vertices: Array, corners: Integers, middles: Integers) -> list[tuple[Integers, ...]]:
