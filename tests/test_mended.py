@@ -1,4 +1,4 @@
-"""Triangles as files have them, made into bodies by both sides: turned, doubled, from both sides, nested, or sharing."""
+"""Triangles as files have them, made into bodies by both sides: turned, doubled, seen from both sides, nested."""
 
 from __future__ import annotations
 

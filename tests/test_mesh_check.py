@@ -398,12 +398,10 @@ def test_depth_in_a_region_of_triangles_is_that_of_the_worst() -> None:
     assert least_depth(region, np.stack([inside, across])) == pytest.approx(0.01 * (1 - math.sqrt(2)), abs=1e-6)
 
 
-def test_triangles_that_are_there_from_both_sides_enclose_nothing(tmp_path: Path) -> None:
-    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.025)
-    lines = ["v {} {} {}".format(*vertex) for vertex in ball.vertices.tolist()]
-    lines += ["f {} {} {}".format(*face) for face in (np.vstack([ball.faces, ball.faces[:, ::-1]]) + 1).tolist()]
-    (tmp_path / "both.obj").write_text("\n".join(lines))
-    with pytest.raises(FileError, match=r"both\.obj: encloses no volume\. Export it again"):
+def test_a_sheet_that_is_seen_from_both_sides_encloses_nothing(tmp_path: Path) -> None:
+    corners = ["v 0 0 0", "v 0.05 0 0", "v 0.05 0.05 0.01", "v 0 0.05 0"]
+    (tmp_path / "both.obj").write_text("\n".join([*corners, "f 1 2 3", "f 1 3 4", "f 3 2 1", "f 4 3 1"]))
+    with pytest.raises(FileError, match=r"both\.obj: encloses no volume\. A body has a thickness"):
         object_mesh(Mesh(file=tmp_path / "both.obj"))
 
 

@@ -36,9 +36,8 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     if not len(faces):
         raise FileError("has flat triangles only", file=file, remedy="Export the mesh again")
     faces = mended(vertices, faces)
-    if not len(faces) or float(signed_volumes(vertices, faces).sum()) <= 1e-9 * float(
-        np.prod(np.ptp(vertices, axis=0))
-    ):
+    volume = float(signed_volumes(vertices, faces).sum())
+    if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
         raise FileError("encloses no volume", file=file, remedy="A body has a thickness; model it as a solid")
     return TriangleBody(*_used(vertices, faces))
 

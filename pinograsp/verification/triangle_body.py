@@ -53,7 +53,7 @@ REACH = 4.0
 """Of the lattice of the footprint normal, in sigma."""
 TURN = (0.5, 0.3, 0.7)
 """Axis of the lattice's turn, times its angle, rad; no special one."""
-VERSION = 6
+VERSION = 7
 """Of what is kept of a body; to be raised with every change of how it is made."""
 FINE = 5_000
 """Vertices of a mesh of which no hull is made."""
