@@ -271,6 +271,26 @@ def test_coverage_counts_every_row(small: Path, glovebox: Any) -> None:
     assert inside.sum() == pytest.approx(coverage.counts.max(), abs=2)  # float32 at the faces
 
 
+def test_an_export_takes_the_place_of_no_other_file(small: Path, tmp_path: Path) -> None:
+    """Not of the database itself, however it is called; of an earlier export it does."""
+    link, notes, content = tmp_path / "link.parquet", tmp_path / "mine.yaml", small.read_bytes()
+    link.symlink_to(small)
+    notes.write_text("mine: 1")
+    with Database.open(small) as database:
+        for place, words in (
+            (small, "no Parquet file"),
+            (link, "no Parquet file"),
+            (notes, "no Parquet file"),
+            (tmp_path, "is a folder"),
+        ):
+            with pytest.raises(pinograsp.FileError, match=words):
+                database.export_parquet(place)
+        for _ in range(2):
+            database.export_parquet(tmp_path / "rows.parquet")
+    assert small.read_bytes() == content
+    assert notes.read_text() == "mine: 1"
+
+
 def test_parquet_has_the_joints_by_name(small: Path, tmp_path: Path) -> None:
     with Database.open(small) as database:
         database.export_parquet(tmp_path / "it's.parquet")

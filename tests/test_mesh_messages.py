@@ -141,6 +141,30 @@ def test_a_polygon_of_more_corners_than_there_are_is_refused_before_room_is_aske
     mesh_bytes(_file(tmp_path / "few.dae", DAE + b"<vcount>3 4 7</vcount>"))
 
 
+def with_first_corner(text: bytes) -> bytes:
+    """Return a COLLADA file with something else in the place of its first coordinate."""
+    return re.sub(rb"(<float_array[^>]*>)[^ <]+", rb"\g<1>" + text, DAE, count=1)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (with_first_corner(b"nan"), r"has the coordinate nan, number 1 of "),
+        (with_first_corner(b"-inf"), r"has the coordinate -inf, number 1 of "),
+        (re.sub(rb"<p>[^ <]+", b"<p>-1", DAE, count=1), r"has the index -1 among those of its corners \(<p>\)"),
+        (DAE.replace(b"<asset>", b'<asset><unit name="x" meter="nan"/>', 1), r"states a unit of 'nan' m"),
+        (DAE.replace(b"<asset>", b"<asset><unit meter='cm'/>", 1), r"states a unit of 'cm' m"),
+        (DAE.replace(b"<asset>", b'<asset><unit meter="-1"/>', 1), r"states a unit of '-1' m"),
+    ],
+)
+def test_what_the_parser_of_collada_passes_over(content: bytes, words: str, tmp_path: Path) -> None:
+    """It makes 0 of corners that are no numbers, counts -1 from the end, and takes metres for what is no unit."""
+    assert content != DAE
+    with pytest.raises(FileError, match=words):
+        mesh_bytes(_file(tmp_path / "odd.dae", content))
+    mesh_bytes(_file(tmp_path / "sound.dae", DAE.replace(b"<asset>", b'<asset><unit name="inch" meter="0.0254"/>', 1)))
+
+
 @pytest.mark.parametrize("name", ["row.ply", "cut.ply", "lost.dae", "range.off", "json.glb"])
 def test_the_verification_and_the_centre_of_mass_tell_the_same(name: str, tmp_path: Path) -> None:
     content, words = DAMAGED[name]

@@ -159,6 +159,17 @@ def test_a_new_robot_file_names_the_folder_of_a_package(kind: str, tmp_path: Pat
     assert mesh_of(output) == mesh
 
 
+@pytest.mark.parametrize("scheme", ["package://jaw/", "model://jaw/", "$(find jaw)/"])
+def test_a_package_below_a_urdf_is_found_before_the_folder_of_the_robot_is_made(scheme: str, tmp_path: Path) -> None:
+    mesh = package(tmp_path / "src" / "repo-main", "jaw")
+    robot_file(tmp_path / "src", f"{scheme}meshes/f.stl")
+    output = tmp_path / "robots" / "mine" / "robot.yaml"
+    draft = pinograsp.new_robot_file(tmp_path / "src" / "toy.urdf", output)
+    output.parent.mkdir(parents=True)
+    output.write_text(draft.text)
+    assert mesh_of(output) == mesh
+
+
 def test_packages_on_the_command_line(run: Run, tmp_path: Path) -> None:
     """Of `robot new`, whose file then needs none, and of `robot check`."""
     mesh = package(tmp_path / "mine", None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +89,15 @@ def test_who_carries_and_follows_whom() -> None:
     poses = tree.poses({"turn": math.pi, "open": 0.3, "follow": 99.0})  # a follower has no angle of its own
     np.testing.assert_allclose(poses["d"], rotated(math.pi + 0.3), atol=1e-12)
     np.testing.assert_allclose(poses["e"], rotated(math.pi - 2 * 0.3 + 0.5), atol=1e-12)
+
+
+def test_a_chain_of_many_links() -> None:
+    """Longer than Python calls functions within each other."""
+    names = [f"l{number}" for number in range(3000)]
+    links = "".join(f'<link name="{name}"/>' for name in names)
+    joints = "".join(joint(f"j{inner}", "fixed", outer, inner) for outer, inner in pairwise(names))
+    tree = UrdfTree(RobotUrdf(ET.fromstring(f'<robot name="r">{links}{joints}</robot>'), {}, False), Path("r.urdf"))
+    assert tree.links == names
 
 
 def rotated(about_z: float) -> Array:

@@ -202,11 +202,13 @@ class Database:
 
         Raises:
             UnwritableError: the file cannot be written.
+            FileError: what is there is no Parquet file.
         """
+        path = as_path("file", file)
+        _require_parquet(path)
         self.require_sound()
         there, wanted = columns(len(self.joints())), exported(self.joints())
         listed = ", ".join(f"{name} AS {identifier(shown)}" for name, shown in zip(there, wanted, strict=True))
-        path = as_path("file", file)
         # Of what is open here nothing can be written anywhere: another connection reads the file, and no other file.
         with written_whole(path) as unfinished, duckdb.connect(config=LIMITS) as writer, writing(path):
             writer.execute(f"ATTACH {literal(self.file)} AS source (READ_ONLY)")
@@ -216,6 +218,16 @@ class Database:
             target = literal(unfinished)
             copy = f"COPY ({rows}) TO {target} (FORMAT parquet, COMPRESSION zstd)"
             Database(path, writer).run(lambda: writer.execute(copy))
+
+
+def _require_parquet(file: Path) -> None:
+    """Refuse to put an export in the place of what is no Parquet file, such as the database itself."""
+    if is_folder(file):
+        raise FileError("is a folder", file=file, remedy="Name the Parquet file in it")
+    if is_file(file):
+        with file.open("rb") as opened:
+            if opened.read(4) not in {b"PAR1", b""}:
+                raise FileError("is there and is no Parquet file", file=file, remedy="Give the export another name")
 
 
 def _begins_as_duckdb(file: Path) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -23,6 +22,7 @@ from pydantic_core import PydanticKnownError
 
 from ..disk import content_of, digest, is_folder
 from ..errors import FileError
+from .collada import require_sound
 from .locate import package_folders, resolve
 from .model import Frozen
 from .packages import readings
@@ -39,7 +39,6 @@ Unit = Literal["m", "mm", "cm", "in"]
 METRES: dict[Unit, float] = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 """Metres in each unit."""
 _POINTER = b"version https://git-lfs."
-_VCOUNTS = re.compile(rb"<(?:\w+:)?vcount\b[^>]*>([^<]*)<")
 LARGEST = 3.0
 """A body that is larger, were its coordinates metres, has them in millimetres, m."""
 
@@ -58,17 +57,8 @@ def mesh_bytes(file: Path) -> bytes:
     if not content.strip():
         raise FileError("is an empty file", file=file, remedy="Copy or export the mesh again")
     if file.suffix.lower() == ".dae":
-        _require_few_corners(content, file)
+        require_sound(content, file)
     return content
-
-
-def _require_few_corners(content: bytes, file: Path) -> None:
-    """Refuse a COLLADA file with a polygon of more corners than it can have: its parser asks for room for all."""
-    for counts in _VCOUNTS.findall(content):
-        most = max((float(count) for count in re.findall(rb"\d+", counts)), default=0.0)
-        if most > len(content):
-            problem = f"has a polygon of {most:.3g} corners (<vcount>), in {len(content)} bytes"
-            raise FileError(problem, file=file, remedy="Export it again")
 
 
 def metres_in_unit(unit: Unit | None, stated: float, extent: float) -> float:

@@ -81,7 +81,7 @@ class PackageFolders:
     """
 
     def __init__(self, entries: Sequence[str | Path], beside: Path, others: Sequence[Path] = ()) -> None:
-        given = [(name, beside / folder.expanduser()) for name, folder in map(named_folder, entries)]
+        given = [(name, (beside / folder.expanduser()).resolve()) for name, folder in map(named_folder, entries)]
         self.named = {name: folder for name, folder in given if name is not None}
         self.listed = [*(folder for name, folder in given if name is None), *others]
 

@@ -56,14 +56,19 @@ class UrdfTree:
             self.joints[name] = TreeJoint(name, element.get("type", ""), ends[0], ends[1], limits_of(element), leader)
         self.movable = tuple(joint for joint in self.joints.values() if joint.kind != "fixed")
         self._above = {joint.child: joint for joint in self.joints.values()}
+        self._carried: dict[str, list[TreeJoint]] = {}
+        for joint in self.joints.values():
+            self._carried.setdefault(joint.parent, []).append(joint)
         self.links = [self.root, *self.outwards(self.root)]
 
     def outwards(self, link: str) -> Iterator[str]:
         """Yield the links that a link carries, from the inside outwards."""
-        for joint in self.joints.values():
-            if joint.parent == link:
-                yield joint.child
-                yield from self.outwards(joint.child)
+        waiting = [link]
+        while waiting:
+            inner = waiting.pop()
+            if inner != link:
+                yield inner
+            waiting += [joint.child for joint in reversed(self._carried.get(inner, []))]
 
     def path(self, link: str) -> list[TreeJoint]:
         """Return the movable joints between the root and a link, from the root outwards."""
