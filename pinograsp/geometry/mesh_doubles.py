@@ -95,17 +95,28 @@ def _seen_from_both(vertices: Array, triangles: Integers, net: Integers, largest
         return np.asarray(none)
     part = parts_of(triangles, len(vertices))
     wholly = np.bincount(part, weights=~none) == 0
-    for number in np.flatnonzero(wholly).tolist():
-        own = triangles[part == number]
-        ends, _, _, counts = edges_of(own)
-        border = ends[counts % 2 == 1]
-        widest = min(largest_hole, 0.5 * _size(vertices[own.ravel()]))
-        loops = components(border, len(vertices))[border[:, 0]]
-        wholly[number] = all(_size(vertices[border[loops == k].ravel()]) <= widest for k in np.unique(loops))
+    ends, edge, _, counts = edges_of(triangles)
+    of = np.empty(len(ends), dtype=np.int64)
+    of[edge] = np.repeat(part, 3)
+    border, of = ends[counts % 2 == 1], of[counts % 2 == 1]
+    if len(border):
+        loop = np.unique(components(border, len(vertices))[border[:, 0]], return_inverse=True)[1]
+        size = _sizes(vertices[border], loop)[loop]
+        wholly[of[size > np.minimum(largest_hole, 0.5 * _sizes(vertices[triangles], part)[of])]] = False
     return np.asarray(wholly[part])
 
 
-def _size(points: Array) -> float:
-    """Return the diameter of a ball around points, as that of holes is measured, m."""
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return 2.0 * float(np.linalg.norm(points - middle, axis=1).max())
+def _sizes(places: Array, label: Integers) -> Array:
+    """Return the diameters of balls around the places of each label, as those of holes are measured, m.
+
+    Args:
+        places: shape (n, k, 3), m.
+        label: shape (n,).
+    """
+    points, of = places.reshape(-1, 3), np.repeat(label, places.shape[1])
+    low, high = np.full((int(label.max()) + 1, 3), np.inf), np.full((int(label.max()) + 1, 3), -np.inf)
+    np.minimum.at(low, of, points)
+    np.maximum.at(high, of, points)
+    radii = np.zeros(len(low))
+    np.maximum.at(radii, of, np.linalg.norm(points - 0.5 * (low + high)[of], axis=1))
+    return 2.0 * radii
