@@ -200,6 +200,45 @@ def test_one_part_inside_out_but_cavities_stay(tmp_path: Path) -> None:
     assert both.findings == ("1 part of it is inside out: turned",)
 
 
+@pytest.mark.parametrize("facing", ["-+", "-+-", "-+-+", "-++-", "+-", "+--", "+-+-", "+---"])
+def test_hollow_bodies_inside_out(facing: str, tmp_path: Path) -> None:
+    """What is solid and what is hollow follows from which of balls in balls face against those around them."""
+    balls = [meshes.ball(radius) for radius in (0.03, 0.02, 0.01, 0.005)[: len(facing)]]
+    sizes = [(-1) ** k * one.volume for k, one in enumerate(balls)]
+    for one, way in zip(balls, facing, strict=True):
+        if way == "-":
+            one.invert()
+    mesh = read(put(tmp_path, "balls.ply", trimesh.util.concatenate(balls)))
+    assert volume(mesh) == pytest.approx(sum(sizes), rel=1e-5)
+    turned = sum(way != right for way, right in zip(facing, "+-+-", strict=False))
+    some = {0: (), 1: ("1 part of it is inside out: turned",), 2: ("2 parts of it are inside out: turned",)}
+    assert mesh.findings == (("inside out: turned",) if turned == len(facing) else some[turned])
+
+
+def test_parts_in_the_material_that_are_no_cavities(tmp_path: Path) -> None:
+    """One that faces as what is around it, and one that reaches out of it."""
+    one, inner, pin = box(), trimesh.creation.box(extents=np.array(SIZE) / 2), trimesh.creation.box([0.01, 0.01, 0.04])
+    for part in (one, inner):
+        part.invert()
+    within = read(put(tmp_path, "within.ply", trimesh.util.concatenate([one, inner])))
+    assert volume(within) == pytest.approx(VOLUME * 9 / 8, rel=1e-5)
+    pin.apply_translation([0, 0, 0.005])
+    out = read(put(tmp_path, "out.ply", trimesh.util.concatenate([one, pin])))
+    assert volume(out) == pytest.approx(VOLUME + 4e-6, rel=1e-5)
+    assert out.findings == ("1 part of it is inside out: turned",)
+
+
+def test_a_cavity_across_two_parts_that_overlap(tmp_path: Path) -> None:
+    """It lies in the material of both together, and in neither alone."""
+    one, other, cavity = box(), box(), trimesh.creation.box(extents=[0.06, 0.02, 0.01])
+    other.apply_translation([0.04, 0, 0])
+    cavity.apply_translation([0.02, 0, 0])
+    cavity.invert()
+    mesh = read(put(tmp_path, "both.ply", trimesh.util.concatenate([one, other, cavity])))
+    assert volume(mesh) == pytest.approx(2 * VOLUME - 12e-6, rel=1e-5)
+    assert mesh.findings == ()
+
+
 def test_triangles_that_face_the_other_way(tmp_path: Path) -> None:
     faces = box().faces.copy()
     faces[[1, 5, 7]] = faces[[1, 5, 7], ::-1]
@@ -219,6 +258,39 @@ def test_doubled_triangles(tmp_path: Path) -> None:
         assert mesh.findings == ("12 doubled triangles left out",)
     one_more = bare(one.vertices, np.vstack([one.faces, one.faces[:1]]))
     assert read(put(tmp_path, "more.stl", one_more)).findings == ("1 doubled triangle left out",)
+
+
+def _together(*parts: Any) -> Any:
+    """Return parts in one mesh, doubled triangles too."""
+    return bare(*trimesh.util.append_faces([part.vertices for part in parts], [part.faces for part in parts]))
+
+
+@pytest.mark.parametrize(("copies", "left_out"), [((1, 1), 0), ((2, 1), 12), ((1, 2), 12), ((2, 2), 24), ((3, 1), 24)])
+def test_copies_that_close_two_parts_stay(copies: tuple[int, int], left_out: int, tmp_path: Path) -> None:
+    """A box in another whose end face is that of both: every edge is gone along as often one way as the other."""
+    one, other = (trimesh.creation.box(extents=[length, 0.02, 0.02]) for length in (0.1, 0.05))
+    other.apply_translation([0.025, 0, 0])
+    mesh = read(put(tmp_path, "both.stl", _together(*[one] * copies[0], *[other] * copies[1])))
+    assert mesh.findings == ((f"{left_out} doubled triangles left out",) if left_out else ())
+    assert is_closed(mesh)
+    assert len(mesh.faces) == 24
+    assert volume(mesh) == pytest.approx(6e-5, rel=1e-6)
+
+
+def test_a_part_that_is_seen_from_both_sides(tmp_path: Path) -> None:
+    """Beside one that is seen from outside alone: a ball, one with a small hole, and an open sheet."""
+    ball = meshes.ball(0.01)
+    ball.apply_translation([0.1, 0, 0])
+    for part, kept, rest in (
+        (ball, len(ball.faces), ()),
+        (bare(ball.vertices, ball.faces[1:]), len(ball.faces) + 2, ("1 hole of up to 1 mm closed",)),
+        (bare(ball.vertices, ball.faces[ball.triangles_center[:, 2] > 0]), 0, ()),
+    ):
+        mesh = read(put(tmp_path, "both.ply", _together(box(), part, bare(part.vertices, part.faces[:, ::-1]))))
+        assert len(mesh.faces) == 12 + kept
+        assert volume(mesh) == pytest.approx(VOLUME + (ball.volume if kept else 0.0), rel=1e-4)
+        doubled = len(part.faces) if kept else 2 * len(part.faces)
+        assert mesh.findings == (f"{doubled} doubled triangles left out", *rest)
 
 
 def test_triangles_without_area_are_dropped(tmp_path: Path) -> None:
@@ -374,7 +446,7 @@ def test_flat_and_crossing_surfaces(tmp_path: Path) -> None:
     corners = np.vstack([np.column_stack([eight, np.full(4, z)]) for z in (0, 0.02)])
     sides = [t for k in range(4) for t in ([k, (k + 1) % 4, k + 4], [(k + 1) % 4, (k + 1) % 4 + 4, k + 4])]
     caps = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]]
-    with pytest.raises(FileError, match=r"crosses itself|encloses no volume"):
+    with pytest.raises(FileError, match="crosses itself: 36 % of its surface enclose nothing"):
         read(put(tmp_path, "eight.stl", bare(corners, np.array(sides + caps))))
 
 

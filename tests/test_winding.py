@@ -10,8 +10,8 @@ from meshes import ball, box
 
 from pinograsp.arrays import Array, Integers
 from pinograsp.geometry.in_threads import AT_ONCE
-from pinograsp.geometry.triangle_tree import nearest, triangle_tree
-from pinograsp.geometry.winding import FEW, WAYS, Winding
+from pinograsp.geometry.triangle_tree import nearest, pieces, triangle_tree
+from pinograsp.geometry.winding import FEW, WAYS, Winding, _way_tree
 
 
 def _parts(mesh: trimesh.Trimesh) -> tuple[Array, Integers]:
@@ -122,3 +122,41 @@ def test_ways_through_corners_and_edges() -> None:
     points = points[nearest(triangle_tree(vertices, faces), points)[0] > 1e-6]
     inside = (np.abs(points) < 1.0).all(axis=1)
     np.testing.assert_array_equal(Winding(vertices, faces).numbers(points), inside)
+
+
+def _rod(sections: int) -> trimesh.Trimesh:
+    """Return a cylinder along no axis, of radius 0.3 and length 0.8: all of its triangles are long and thin."""
+    rod = trimesh.creation.cylinder(0.3, 0.8, sections=sections)
+    return rod.apply_transform(trimesh.transformations.rotation_matrix(0.7, [1.0, 2.0, 0.5]))
+
+
+@pytest.mark.parametrize("sections", [50, 400, 10_000])
+def test_long_thin_triangles_have_few_pieces(sections: int) -> None:
+    """Which are all of their triangles."""
+    vertices, faces = _parts(_rod(sections))
+    corners, owners = pieces(vertices, faces)
+    assert len(faces) < len(corners) <= 2 * len(faces) + 100_000
+    areas = np.bincount(owners, weights=trimesh.triangles.area(corners))
+    np.testing.assert_allclose(areas, trimesh.triangles.area(vertices[faces]), rtol=1e-6)
+
+
+def test_winding_numbers_of_a_body_of_long_thin_triangles() -> None:
+    mesh = _rod(10_000)
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (20_000, 3))
+    back = points @ trimesh.transformations.rotation_matrix(0.7, [1.0, 2.0, 0.5])[:3, :3]
+    beyond = np.maximum(np.linalg.norm(back[:, :2], axis=1) - 0.3, np.abs(back[:, 2]) - 0.4)
+    clear = np.abs(beyond) > 1e-6
+    np.testing.assert_array_equal(Winding(*_parts(mesh)).numbers(points)[clear], beyond[clear] < 0.0)
+
+
+def test_boxes_lie_along_long_thin_triangles() -> None:
+    """Those that hold eight triangles of a fan, one in each part, are not much larger than these: few hold a point.
+
+    Along the axes they would be hundreds of times as large.
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, 8 * 1024 + 1)
+    rim = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    corners = np.stack([np.zeros((8 * 1024, 3)), rim[:-1], rim[1:]], axis=1)
+    tree = _way_tree(corners)
+    sizes = tree.parts[-1024:, 3:5] - tree.parts[-1024:, :2]
+    assert sizes.prod(axis=1).sum() < 6.0 * trimesh.triangles.area(corners).sum()

@@ -16,11 +16,12 @@ from scipy.spatial import cKDTree
 
 from ..arrays import Array, Indices, Integers, Mask
 from ..words import number_of
+from .mesh_doubles import once
+from .mesh_facing import outward
 from .mesh_holes import hole_caps
-from .mesh_parts import components, corners_of, edges_of, parts_of, signed_volumes
+from .mesh_parts import components, corners_of, edges_of, signed_volumes
 from .mesh_sides import OuterSides
 from .no_body import NoBodyError, in_brackets
-from .winding import Winding
 
 NEAR = 1e-6
 """Corners that are nearer than this part of the body's extent are one."""
@@ -59,11 +60,11 @@ def repaired(vertices: Array, faces: Integers, largest_hole: float) -> Repaired:
     """
     vertices, faces = _merged(vertices, faces)
     _require_extent(vertices)
-    faces, origin, doubled = _once(faces)
+    faces, origin, doubled = once(vertices, faces, largest_hole)
     faces, turned = _consistent(vertices, faces)
     findings = [f"{number_of(doubled, 'doubled triangle')} left out"] if doubled else []
     findings += [f"{number_of(turned, 'triangle')} against the direction of their neighbours turned"] if turned else []
-    faces, inside_out = _outward(vertices, faces)
+    faces, inside_out = outward(vertices, faces)
     findings += inside_out
     vertices, caps, holes = hole_caps(vertices, faces, largest_hole)
     findings += holes
@@ -100,33 +101,6 @@ def _require_extent(vertices: Array) -> None:
         raise NoBodyError("lies in one plane and encloses no volume", "A body has a thickness; model it as a solid")
 
 
-def _once(faces: Integers) -> tuple[Integers, Indices, int]:
-    """Return triangles once that are there several times, and not those of both directions, which enclose nothing.
-
-    If that is all of them, as where both sides of every triangle are to be seen, one of each direction is kept.
-
-    Returns:
-        Triangles, their indices in those given, and how many were left out, those with two corners at one place not
-        counted.
-    """
-    real = np.flatnonzero((faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0]))
-    ordered = np.sort(faces[real], axis=1)
-    shifts = np.argmin(faces[real], axis=1)
-    second = np.take_along_axis(faces[real], ((shifts + 1) % 3)[:, None], axis=1)[:, 0]
-    sign = np.where(second == ordered[:, 1], 1, -1)
-    size = int(faces.max()) + 1
-    key = np.unique(ordered[:, 0] * size + ordered[:, 1], return_inverse=True)[1] * size + ordered[:, 2]
-    _, first, group = np.unique(key, return_index=True, return_inverse=True)
-    net = np.bincount(group, weights=sign)
-    kept = sign == np.sign(net)[group]
-    chosen = np.full(len(first), len(real))
-    np.minimum.at(chosen, group[kept], np.flatnonzero(kept))
-    chosen = np.sort(chosen[chosen < len(real)])
-    if not len(chosen):
-        chosen = np.sort(first)
-    return faces[real[chosen]], real[chosen], len(real) - len(chosen)
-
-
 def _consistent(vertices: Array, faces: Integers) -> tuple[Integers, int]:
     """Return the triangles with neighbours that face the same way, where an edge has two; and how many were turned."""
     _, edge, direction, counts = edges_of(faces)
@@ -143,38 +117,19 @@ def _consistent(vertices: Array, faces: Integers) -> tuple[Integers, int]:
     return alike, min(turned, len(faces) - turned)
 
 
-def _outward(vertices: Array, faces: Integers) -> tuple[Integers, list[str]]:
-    """Return the triangles of every part facing outwards, but of cavities inwards."""
-    part = parts_of(faces, len(vertices))
-    volumes = np.bincount(part, weights=signed_volumes(vertices, faces, part))
-    negative = volumes < 0.0
-    if not negative.any():
-        return faces, []
-    if not negative.all():
-        first = np.unique(part, return_index=True)[1][negative]
-        around = np.ascontiguousarray(faces[~negative[part]])
-        hollow = Winding(vertices, around).numbers(vertices[faces[first, 0]]) > 0.5
-        negative[np.flatnonzero(negative)[hollow]] = False
-    turned = negative[part]
-    if not turned.any():
-        return faces, []
-    count = int(negative.sum())
-    some = f"{number_of(count, 'part')} of it {'is' if count == 1 else 'are'} inside out: turned"
-    return np.where(turned[:, None], faces[:, ::-1], faces), ["inside out: turned" if turned.all() else some]
-
-
 def _require_body(vertices: Array, faces: Integers, sides: OuterSides) -> None:
-    """Refuse triangles that enclose no volume, or many of which bound nothing.
+    """Refuse triangles many of which bound nothing, or that enclose no volume.
 
-    Triangles bound nothing where a surface crosses itself, and its inner side is outside from there on.
+    Triangles bound nothing where a surface crosses itself, and its inner side is outside from there on. Such parts may
+    make up for the volume of the others: that they are there is what is told.
     """
-    a, b, c = (vertices - vertices.min(axis=0))[faces].transpose(1, 0, 2)
-    volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
-    if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
-        raise NoBodyError("encloses no volume", "A body has a thickness; model it as a solid")
     ghosts = np.where(sides.windings < -0.5, sides.areas, 0.0)
     share = float(ghosts.sum() / sides.areas.sum())
     if share > GHOST:
         place = vertices[faces[int(np.argmax(ghosts))]].mean(axis=0)
         problem = f"crosses itself: {100.0 * share:.0f} % of its surface enclose nothing, such as at"
         raise NoBodyError(f"{problem} {in_brackets(place)} m", "Make it one solid in a modeller")
+    a, b, c = (vertices - vertices.min(axis=0))[faces].transpose(1, 0, 2)
+    volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6.0
+    if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
+        raise NoBodyError("encloses no volume", "A body has a thickness; model it as a solid")

@@ -12,7 +12,7 @@ from ..arrays import Array, Integers
 from ..disk import digest
 from .mesh_repair import Repaired, repaired
 
-VERSION = 1
+VERSION = 2
 """Of how meshes are repaired; to be raised with every change that gives others."""
 
 

@@ -1,7 +1,8 @@
 """Triangles in a tree of boxes, in which the one nearest to a point is found without most others.
 
 Long triangles are in it in pieces. An edge is halved in both of its triangles, or in none: pieces share corners and
-edges as triangles do.
+edges as triangles do. Where many triangles are long and thin, as on turned parts, that would be hundreds of pieces for
+each, which are in one another's boxes just the same: then only longer ones are divided.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from .box_tree import box_ends, box_tree, groups
 from .in_threads import in_threads
 
 LONGEST = 1.0 / 20.0
-"""Edge of a triangle that is not divided, in parts of the extent."""
+"""Edge of a triangle that is not divided, in parts of the extent; doubled until there are few pieces."""
+FOR_EACH, BESIDES = 2, 100_000
+"""Pieces at most, for each triangle and besides."""
 _WAITING = 256
 """Boxes that wait to be looked at, at most."""
 
@@ -58,18 +61,22 @@ def pieces(vertices: Array, faces: Integers) -> tuple[Array, Indices]:
         faces: shape (f, 3), f > 0.
 
     Returns:
-        Corners, m, shape (n, 3, 3), and numbers of triangles, shape (n,).
+        Corners, m, shape (n, 3, 3), and numbers of triangles, shape (n,); n is at most 2 f + 100,000.
     """
-    longest = LONGEST * float(np.ptp(vertices, axis=0).max())
-    corners, owners, count = _pieces(vertices, faces, longest * longest)
-    return corners[:count], owners[:count]
+    longest, most = LONGEST * float(np.ptp(vertices, axis=0).max()), FOR_EACH * len(faces) + BESIDES
+    corners, owners = np.empty((most, 3, 3)), np.empty(most, dtype=np.intp)
+    while (count := _pieces(vertices, faces, longest * longest, corners, owners)) > most:
+        longest *= 2.0
+    return corners[:count].copy(), owners[:count].copy()
 
 
 @compiled
-def _pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, Indices, int]:
-    """Return pieces of triangles, with no edge whose square is longer, their triangles, and how many there are."""
-    corners, owners, count = np.empty((2 * len(faces), 3, 3)), np.empty(2 * len(faces), dtype=np.intp), 0
-    waiting = np.empty((_WAITING, 3, 3))
+def _pieces(vertices: Array, faces: Integers, longest: float, corners: Array, owners: Indices) -> int:
+    """Write pieces of triangles, with no edge whose square is longer, and their triangles, and return how many.
+
+    There are more than told if it is one more than there is room for.
+    """
+    count, waiting = 0, np.empty((_WAITING, 3, 3))
     for n in range(len(faces)):
         for corner in range(3):
             waiting[0, corner] = vertices[faces[n, corner]]
@@ -84,10 +91,10 @@ def _pieces(vertices: Array, faces: Integers, longest: float) -> tuple[Array, In
                 left += 1
                 continue
             if count == len(corners):
-                corners, owners = np.concatenate((corners, corners)), np.concatenate((owners, owners))
+                return count + 1
             corners[count], owners[count] = one, n
             count, left = count + 1, left - 1
-    return corners, owners, count
+    return count
 
 
 @compiled

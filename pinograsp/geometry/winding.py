@@ -24,6 +24,7 @@ from .box_tree import WIDE, box_ends, box_tree, groups
 from .in_threads import in_threads
 from .mesh_parts import components, edges_of
 from .triangle_tree import pieces
+from .turned_boxes import turn_boxes
 
 WAYS = ((0.3391, 0.2173), (-0.2719, 0.3837), (0.1571, -0.4211), (-0.3583, -0.1979))
 """How far a way goes along the first two axes while it goes 1 along the third; no special directions."""
@@ -88,7 +89,9 @@ class _WayTree(NamedTuple):
     """Boxes around triangles that are seen along a way, as `box_tree.BoxTree`."""
 
     parts: Array
-    """m, shape (boxes, 6, 8)."""
+    """m, shape (boxes, 6, 8), along the axes of the box that they are parts of."""
+    axes: Array
+    """The first of these in each box, shape (boxes, 2); `turned_boxes`."""
     shift: int
     corners: Array
     """Of the triangle that each leaf is, or which is never met, m, shape (leaves, 3, 3)."""
@@ -101,7 +104,8 @@ def _way_tree(corners: Array) -> _WayTree:
     low, high, empty = low[grouped], high[grouped], np.arange(WIDE) >= counts[:, None]
     low[empty], high[empty] = np.inf, -np.inf
     boxes = box_tree(low.reshape(-1, 3), high.reshape(-1, 3))
-    return _WayTree(boxes.parts, boxes.shift, corners[grouped.ravel()])
+    leaves = corners[grouped.ravel()]
+    return _WayTree(boxes.parts, turn_boxes(boxes, leaves, empty.ravel()), boxes.shift, leaves)
 
 
 class _Caps:
@@ -148,7 +152,7 @@ def _count_all(corners: Array, points: Array, found: Array, sure: Mask) -> None:
 @compiled_for_threads
 def _count_above(tree: _WayTree, points: Array, found: Array, sure: Mask) -> None:
     """Do as `_count_all` does, with a tree."""
-    parts, shift, corners, boxes = tree.parts, tree.shift, tree.corners, len(tree.parts)
+    parts, axes, shift, corners, boxes = tree.parts, tree.axes, tree.shift, tree.corners, len(tree.parts)
     waiting, above = np.empty(_WAITING, dtype=np.intp), np.empty(8)
     for n in range(len(points)):
         x, y, z = points[n, 0], points[n, 1], points[n, 2]
@@ -161,7 +165,8 @@ def _count_above(tree: _WayTree, points: Array, found: Array, sure: Mask) -> Non
                 found[n] += met
                 sure[n] &= known
                 continue
-            _above(parts[box], x, y, z, above)
+            a, b = axes[box, 0], axes[box, 1]
+            _above(parts[box], a * x + b * y, a * y - b * x, z, above)
             for j in range(8):
                 waiting[count] = 8 * box + j + shift
                 count += int(above[j])  # where it is 0, the next one comes to this place
