@@ -398,15 +398,6 @@ def test_depth_in_a_region_of_triangles_is_that_of_the_worst() -> None:
     assert least_depth(region, np.stack([inside, across])) == pytest.approx(0.01 * (1 - math.sqrt(2)), abs=1e-6)
 
 
-def test_triangles_that_are_there_from_both_sides_enclose_nothing(tmp_path: Path) -> None:
-    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.025)
-    lines = ["v {} {} {}".format(*vertex) for vertex in ball.vertices.tolist()]
-    lines += ["f {} {} {}".format(*face) for face in (np.vstack([ball.faces, ball.faces[:, ::-1]]) + 1).tolist()]
-    (tmp_path / "both.obj").write_text("\n".join(lines))
-    with pytest.raises(FileError, match=r"both\.obj: encloses no volume\. Export it again"):
-        object_mesh(Mesh(file=tmp_path / "both.obj"))
-
-
 @pytest.mark.parametrize("count", [1, 30, 100, 300])
 def test_triangles_that_face_against_their_neighbours_are_turned(count: int, tmp_path: Path) -> None:
     """Some of a ball beside a box that has a hollow: the ball is mended, the hollow stays."""

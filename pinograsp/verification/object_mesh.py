@@ -8,7 +8,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import igl
 import numpy as np
 import trimesh
 
@@ -18,7 +17,7 @@ from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.obj_indices import counted_from_first
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
-from .pieces import edges_of
+from .mended import mended
 from .triangle_body import TriangleBody
 
 
@@ -36,34 +35,12 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     vertices, faces = _without_flat(vertices, np.asarray(mesh.faces, dtype=np.int64))
     if not len(faces):
         raise FileError("has flat triangles only", file=file, remedy="Export the mesh again")
-    faces = _facing_alike(vertices, faces)
+    faces = mended(vertices, faces, shape.largest_hole)
     a, b, c = vertices[faces].transpose(1, 0, 2)
     volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
-    if abs(volume) <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
-        raise FileError(
-            "encloses no volume", file=file, remedy="Export it again, each triangle once and facing outwards"
-        )
-    return TriangleBody(vertices, faces if volume > 0.0 else faces[:, ::-1])
-
-
-def _facing_alike(vertices: Array, faces: Integers) -> Integers:
-    """Return the triangles, those of patches in which neighbours face opposite ways turned, so that the patch encloses.
-
-    Neighbours have an edge in common that no other triangle has; they face alike if they run along it in turn.
-    """
-    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    owner = np.tile(np.arange(len(faces)), 3)
-    edge = edges_of(ends)[1]
-    sides = np.bincount(edge)
-    net = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
-    wrong = owner[((sides == 2) & (net != 0.0))[edge]]
-    if not len(wrong):
-        return faces
-    alike, patch = (np.asarray(found, dtype=np.int64) for found in igl.bfs_orient(np.ascontiguousarray(faces)))
-    a, b, c = (vertices[alike] - vertices.mean(axis=0)).transpose(1, 0, 2)
-    inverted = np.bincount(patch, weights=np.einsum("ij,ij->i", a, np.cross(b, c))) < 0.0
-    alike = np.where(inverted[patch][:, None], alike[:, ::-1], alike)
-    return np.where(np.isin(patch, patch[wrong])[:, None], alike, faces)
+    if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
+        raise FileError("encloses no volume", file=file, remedy="Export it again as a body with an inside")
+    return TriangleBody(vertices, faces)
 
 
 def _read(content: bytes, file: Path) -> tuple[Any, float]:
