@@ -1,118 +1,132 @@
-"""Triangles as files have them, made into bodies by both sides: turned, doubled, seen from both sides, nested."""
+"""Triangles as they come are made into a body by the check: exact volumes, insides, and the optimiser's body beside."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import meshes
 import numpy as np
 import pytest
 import trimesh
 
-from pinograsp.arrays import Array, Integers
 from pinograsp.descriptions.shapes import Mesh
-from pinograsp.geometry import object_mesh as of_optimiser
+from pinograsp.errors import FileError
+from pinograsp.geometry import object_mesh as optimiser
+from pinograsp.geometry.winding import Winding
 from pinograsp.verification.mended import mended
 from pinograsp.verification.object_mesh import object_mesh
+from pinograsp.verification.triangle_body import TriangleBody
 
-Made = tuple[Array, Integers]
-BAR = np.array([0.1, 0.02, 0.02])
-
-
-def box(size: Array, x: float = 0.0, *, inverted: bool = False) -> trimesh.Trimesh:
-    made = trimesh.creation.box(size).apply_translation((x, 0.0, 0.0))
-    if inverted:
-        made.invert()
-    return made
-
-
-def all_of(*parts: trimesh.Trimesh) -> Made:
-    whole = trimesh.util.concatenate(parts)
-    return np.array(whole.vertices), np.array(whole.faces)
+CUBE = meshes.box([0, 0, 0], [0.04, 0.04, 0.04])
+BESIDE = meshes.box([0.06, 0, 0], [0.09, 0.03, 0.03])
+ACROSS = meshes.box([0.03, 0.01, 0.01], [0.06, 0.02, 0.02])
+WITHIN = meshes.box([0.01, 0.01, 0.01], [0.03, 0.03, 0.03])
+LONG = meshes.box([0, 0, 0], [0.08, 0.04, 0.04])
+ALL = CUBE.volume + BESIDE.volume
+POINTS = np.random.default_rng(0).uniform([-0.01, -0.01, -0.01], [0.1, 0.05, 0.05], (3000, 3))
 
 
-def dumb_bell(*, inverted: bool = False, twice: bool = False) -> Made:
-    ends = [box(np.array([0.03, 0.04, 0.04]), x, inverted=inverted and x > 0.0) for x in (-0.06, 0.06)]
-    return all_of(box(BAR), *ends, *(ends[:1] if twice else []))
+def inverted(mesh: Any) -> Any:
+    return trimesh.Trimesh(mesh.vertices, mesh.faces[:, ::-1], process=False)
 
 
-def flipped(*numbers: int) -> Made:
-    vertices, faces = all_of(box(np.array([0.05, 0.04, 0.06])))
-    chosen = np.array(numbers)
-    faces[chosen] = faces[chosen, ::-1]
-    return vertices, faces
+def together(*parts: Any) -> Any:
+    return trimesh.Trimesh(
+        *trimesh.util.append_faces([part.vertices for part in parts], [part.faces for part in parts]), process=False
+    )
 
 
-def from_both_sides(whole: Made) -> Made:
-    vertices, faces = whole
-    return vertices, np.concatenate([faces, faces[:, ::-1]])
+def turned(mesh: Any, which: Any) -> Any:
+    faces = mesh.faces.copy()
+    faces[which] = faces[which, ::-1]
+    return trimesh.Trimesh(mesh.vertices, faces, process=False)
 
 
-def hollow(outer: bool, inner: bool) -> Made:
-    return all_of(box(np.full(3, 0.06), inverted=outer), box(np.full(3, 0.03), inverted=inner))
+def less(mesh: Any, which: Any) -> Any:
+    return trimesh.Trimesh(mesh.vertices, np.delete(mesh.faces, which, axis=0), process=False)
 
 
-def sharing() -> Made:
-    """A box within another one, which has an end of it in common: the end's triangles are there twice."""
-    vertices, faces = all_of(box(BAR))
-    within = vertices * [0.5, 1.0, 1.0] + [0.025, 0.0, 0.0]
-    both = np.concatenate([vertices, within])
-    kept, numbers = np.unique(both.round(9), axis=0, return_inverse=True)
-    return kept, numbers.ravel()[np.concatenate([faces, faces + len(vertices)])]
+def inside(*parts: Any) -> Any:
+    """Return which points are in any of some boxes."""
+    return np.any([((part.bounds[0] < POINTS) & (part.bounds[1] > POINTS)).all(axis=1) for part in parts], axis=0)
 
 
-def doubled_triangle() -> Made:
-    vertices, faces = all_of(box(BAR))
-    return vertices, np.concatenate([faces, faces[3:4]])
+def read(folder: Path, mesh: Any) -> TriangleBody:
+    mesh.export(folder / "it.ply")
+    return object_mesh(Mesh(file=folder / "it.ply", unit="m"))
 
 
-WHOLE = float(BAR.prod() + 2 * 0.03 * 0.04**2 - 2 * 0.005 * 0.02**2)
-"""Of the dumb-bell: its bar is 5 mm in each of its ends."""
-KINDS: dict[str, tuple[Callable[[], Made], float]] = {
-    "a part inside out": (lambda: dumb_bell(inverted=True), WHOLE),
-    "a part twice": (lambda: dumb_bell(twice=True), WHOLE),
-    "all from both sides": (lambda: from_both_sides(all_of(box(BAR))), float(BAR.prod())),
-    "one triangle flipped": (lambda: flipped(4), 1.2e-4),
-    "every second one flipped": (lambda: flipped(0, 2, 4, 6, 8, 10), 1.2e-4),
-    "one triangle twice": (doubled_triangle, float(BAR.prod())),
-    "a cavity": (lambda: hollow(False, True), 0.06**3 - 0.03**3),
-    "a hollow body inside out": (lambda: hollow(True, False), 0.06**3 - 0.03**3),
-    "a solid in a solid": (lambda: hollow(False, False), 0.06**3),
-    "both inside out": (lambda: hollow(True, True), 0.06**3),
-    "a shared face": (sharing, float(BAR.prod())),
+HOLLOW = CUBE.volume - WITHIN.volume, lambda: inside(CUBE) & ~inside(WITHIN)
+BOTH = ALL, lambda: inside(CUBE, BESIDE)
+ONE = CUBE.volume, lambda: inside(CUBE)
+OVERLAP = CUBE.volume + ACROSS.volume * 2 / 3, lambda: inside(CUBE, ACROSS)
+
+KINDS: dict[str, tuple[Any, tuple[float, Callable[[], Any]]]] = {
+    "a part inside out": (together(CUBE, inverted(BESIDE)), BOTH),
+    "all inside out": (together(inverted(CUBE), inverted(BESIDE)), BOTH),
+    "twice": (together(CUBE, CUBE, BESIDE), BOTH),
+    "three times one triangle": (together(CUBE, less(CUBE, slice(1, None)), less(CUBE, slice(1, None))), ONE),
+    "from both sides": (together(CUBE, inverted(CUBE)), ONE),
+    "every second triangle": (turned(CUBE, slice(None, None, 2)), ONE),
+    "hollow": (together(CUBE, inverted(WITHIN)), HOLLOW),
+    "overlapping": (together(CUBE, ACROSS), OVERLAP),
+    "a part within that faces alike": (together(CUBE, WITHIN), ONE),
+    "one of two from both sides": (together(CUBE, BESIDE, inverted(BESIDE)), BOTH),
+    "a part inside out that overlaps": (together(CUBE, inverted(ACROSS)), OVERLAP),
+    "hollow, inside out": (together(inverted(CUBE), WITHIN), HOLLOW),
+    "a face of both": (together(LONG, CUBE, CUBE), (LONG.volume, lambda: inside(LONG))),
+    "a sheet from both sides": (
+        together(CUBE, less(BESIDE, slice(0, 2)), inverted(less(BESIDE, slice(0, 2)))),
+        ONE,
+    ),
+}
+CHECK_ALONE: dict[str, tuple[Any, tuple[float, Callable[[], Any]]]] = {
+    "touching at an edge, one inside out": (
+        together(CUBE, inverted(meshes.box([0.04, 0.04, 0], [0.05, 0.05, 0.04]))),
+        (CUBE.volume + 4e-6, lambda: inside(CUBE, meshes.box([0.04, 0.04, 0], [0.05, 0.05, 0.04]))),
+    ),
 }
 
 
-def file_of(folder: Path, made: Made) -> Mesh:
-    file = folder / "body.obj"
-    vertices, faces = made
-    lines = [*("v {:.9f} {:.9f} {:.9f}".format(*v) for v in vertices), *("f {} {} {}".format(*(f + 1)) for f in faces)]
-    file.write_text("\n".join(lines))
-    return Mesh(file=file)
+@pytest.mark.parametrize("kind", [*KINDS, *CHECK_ALONE])
+def test_what_is_enclosed_is_the_body(kind: str, tmp_path: Path) -> None:
+    mesh, (volume, within) = {**KINDS, **CHECK_ALONE}[kind]
+    body = read(tmp_path, mesh)
+    assert body.filled.volume == pytest.approx(volume, rel=3e-3)
+    np.testing.assert_array_equal(body.contains(POINTS), within())
+    np.testing.assert_array_equal(body.distances(POINTS) < 0.0, within())
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_enclosed(kind: str, tmp_path: Path) -> None:
-    make, volume = KINDS[kind]
-    body = object_mesh(file_of(tmp_path, make()))
-    assert body.filled.volume == pytest.approx(volume, rel=2e-3)
-    points = np.random.default_rng(0).uniform(-0.08, 0.08, (20_000, 3))
-    inside = body.distances(points) < 0.0
-    assert inside.mean() * 0.16**3 == pytest.approx(volume, rel=0.2)
-    np.testing.assert_array_equal(inside, body.contains(points))
+def test_both_sides_agree(kind: str, tmp_path: Path) -> None:
+    mesh, _ = KINDS[kind]
+    body = read(tmp_path, mesh)
+    other = optimiser.object_mesh(Mesh(file=tmp_path / "it.ply", unit="m"))
+    np.testing.assert_array_equal(Winding(other.vertices, other.faces).numbers(POINTS) > 0.5, body.contains(POINTS))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in {"a hollow body inside out", "a shared face"}])
-def test_both_sides_take_it_alike(kind: str, tmp_path: Path) -> None:
-    shape = file_of(tmp_path, KINDS[kind][0]())
-    own, other = object_mesh(shape), of_optimiser.object_mesh(shape)
-    from pinograsp.geometry.winding import Winding
+@pytest.mark.parametrize("facing", ["++++", "-+-+", "-++-", "+-+-", "+---", "+--+", "----", "+--", "-+", "+-"])
+def test_balls_in_balls(facing: str) -> None:
+    """What faces against a solid ball around it is hollow; what is in a hollow is solid."""
+    balls = [meshes.ball(radius, 3) for radius in (0.03, 0.02, 0.01, 0.005)[: len(facing)]]
+    parts = [one if way == "+" else inverted(one) for one, way in zip(balls, facing, strict=True)]
+    mesh = together(*parts)
+    faces = mended(mesh.vertices, mesh.faces, 0.002)
+    a, b, c = mesh.vertices[faces].reshape(len(balls), -1, 3, 3).transpose(2, 0, 1, 3)
+    signs = np.sign(np.einsum("pij,pij->p", a, np.cross(b, c)))
+    assert signs.tolist() == ([1.0] * len(balls) if len(set(facing)) == 1 else [1.0, -1.0, 1.0, -1.0][: len(balls)])
 
-    points = np.random.default_rng(1).uniform(-0.08, 0.08, (5_000, 3))
-    told = Winding(other.vertices, other.faces).numbers(points) > 0.5
-    np.testing.assert_array_equal(own.contains(points), told)
+
+def test_a_cavity_across_two_parts() -> None:
+    """It is in the material of both together, and in neither alone."""
+    other = meshes.box([0.03, 0, 0], [0.08, 0.04, 0.04])
+    mesh = together(CUBE, other, inverted(meshes.box([0.01, 0.01, 0.01], [0.07, 0.02, 0.02])))
+    np.testing.assert_array_equal(mended(mesh.vertices, mesh.faces, 0.002), mesh.faces)
 
 
-def test_what_is_in_order_stays_as_it_is() -> None:
-    vertices, faces = dumb_bell()
-    assert mended(vertices, faces) is faces
+def test_a_sheet_encloses_nothing(tmp_path: Path) -> None:
+    sheet = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]])
+    with pytest.raises(FileError, match=r"it\.ply: encloses no volume\. Export it again as a body with an inside"):
+        read(tmp_path, together(sheet, inverted(sheet)))

@@ -398,13 +398,6 @@ def test_depth_in_a_region_of_triangles_is_that_of_the_worst() -> None:
     assert least_depth(region, np.stack([inside, across])) == pytest.approx(0.01 * (1 - math.sqrt(2)), abs=1e-6)
 
 
-def test_a_sheet_that_is_seen_from_both_sides_encloses_nothing(tmp_path: Path) -> None:
-    corners = ["v 0 0 0", "v 0.05 0 0", "v 0.05 0.05 0.01", "v 0 0.05 0"]
-    (tmp_path / "both.obj").write_text("\n".join([*corners, "f 1 2 3", "f 1 3 4", "f 3 2 1", "f 4 3 1"]))
-    with pytest.raises(FileError, match=r"both\.obj: encloses no volume\. A body has a thickness"):
-        object_mesh(Mesh(file=tmp_path / "both.obj"))
-
-
 @pytest.mark.parametrize("count", [1, 30, 100, 300])
 def test_triangles_that_face_against_their_neighbours_are_turned(count: int, tmp_path: Path) -> None:
     """Some of a ball beside a box that has a hollow: the ball is mended, the hollow stays."""

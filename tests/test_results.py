@@ -491,7 +491,7 @@ def test_the_best_is_the_first(result: Result, tmp_path: Path) -> None:
     data = encode(result)
     data["grasps"].reverse()
     file.write_text(json.dumps(data))
-    with pytest.raises(FileError, match=r"grasps\[\d\] goes before it") as caught:
+    with pytest.raises(FileError, match=r"grasps\[\d+\] goes before it") as caught:
         read_json(file)
     assert caught.value.key == "grasps[0]"
 

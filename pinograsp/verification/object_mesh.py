@@ -17,7 +17,7 @@ from ..descriptions.mesh_files import metres_in_unit
 from ..descriptions.obj_indices import counted_from_first
 from ..descriptions.shapes import Mesh
 from ..errors import FileError
-from .mended import mended, signed_volumes
+from .mended import mended
 from .triangle_body import TriangleBody
 
 
@@ -35,10 +35,11 @@ def object_mesh(shape: Mesh) -> TriangleBody:
     vertices, faces = _without_flat(vertices, np.asarray(mesh.faces, dtype=np.int64))
     if not len(faces):
         raise FileError("has flat triangles only", file=file, remedy="Export the mesh again")
-    faces = mended(vertices, faces)
-    volume = float(signed_volumes(vertices, faces).sum())
+    faces = mended(vertices, faces, shape.largest_hole)
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
     if volume <= 1e-9 * float(np.prod(np.ptp(vertices, axis=0))):
-        raise FileError("encloses no volume", file=file, remedy="A body has a thickness; model it as a solid")
+        raise FileError("encloses no volume", file=file, remedy="Export it again as a body with an inside")
     return TriangleBody(*_used(vertices, faces))
 
 
