@@ -271,6 +271,13 @@ def test_coverage_counts_every_row(small: Path, glovebox: Any) -> None:
     assert inside.sum() == pytest.approx(coverage.counts.max(), abs=2)  # float32 at the faces
 
 
+def test_a_region_may_be_as_large_as_numbers_are(small: Path) -> None:
+    with Database.open(small) as database:
+        for extent in (1e308, [1e308, 1e200, 1e10]):
+            assert len(configurations_near(database, [0.8, 0.0, -0.1], extent)) == database.rows()
+            assert len(configurations_near(database, [-1e308, 0.0, 0.0], 1.0)) == 0
+
+
 def test_an_export_takes_the_place_of_no_other_file(small: Path, tmp_path: Path) -> None:
     """Not of the database itself, however it is called; of an earlier export it does."""
     link, notes, content = tmp_path / "link.parquet", tmp_path / "mine.yaml", small.read_bytes()

@@ -26,6 +26,8 @@ from .store import Database
 
 _CANDIDATES = 40
 """Rows a selection looks at for every row that it returns, at most."""
+ALL = 1e9
+"""Half edge of a region that holds every configuration, m: larger numbers are none of the columns'."""
 _CELLS = 6
 """Cells along each axis of a region, for the spread."""
 _ROUND = "xor({0}, {0} >> 15) * 1540483477 % 4294967296"
@@ -155,7 +157,7 @@ def _condition(
     ball = np.ndim(extent) == 0
     half = real_array("extent", np.broadcast_to(extent, 3) if ball else extent, 3)
     real_number("extent", half.min(), 0.0)
-    middles = real_array("center", center, 3)
+    half, middles = np.minimum(half, ALL), np.clip(real_array("center", center, 3), -ALL, ALL)
     values: dict[str, Any] = {}
     parts = []
     for name, middle, reach in zip("xyz", middles.tolist(), half.tolist(), strict=True):

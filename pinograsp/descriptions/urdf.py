@@ -142,6 +142,8 @@ def _part(part: UrdfPart, file: Path, robot: Composition, key: str) -> tuple[ET.
     """Return what a robot file takes of one URDF, the names of the links that it leaves, and what was passed over."""
     tree = parse(file, "robot")
     links = check_tree(tree, file)
+    if not links:
+        raise InputError("has no links", file=file, key=key, remedy="Check that it is the URDF of a robot")
     remarks = repair(tree, file)
     for element in list(tree):
         if element.tag not in {"link", "joint", "material"}:

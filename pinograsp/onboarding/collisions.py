@@ -45,10 +45,14 @@ def collision_findings(robot: Robot, meshes: Mapping[str, TriangleMesh]) -> Iter
         yield _found_without_srdf(frozenset(map(_names, allowed)) - robot.urdf.disabled_pairs, robot.urdf.tree)
     middle = 0.5 * (robot.lower + robot.upper)
     neutral = np.where(np.abs(middle) < CENTRAL * 0.5 * (robot.upper - robot.lower), 0.0, middle)
-    found = []
-    for name, posture in (("joints at zero", neutral), ("joints in mid-range", middle)):
+    found, known = list[Finding](), set[Links]()
+    zero = "joints at zero" if not neutral.any() else "joints at zero or, where that is far off, in mid-range"
+    for name, posture in ((zero, neutral), ("joints in mid-range", middle)):
         poses = robot.urdf.tree.poses(robot.joints_by_name(posture))
-        found += list(_overlapping(name, _overlaps(robot, pairs, posture), poses, meshes))
+        overlaps = _overlaps(robot, pairs, posture)
+        new = {links: depth for links, depth in overlaps.items() if links not in known}  # the same is told once
+        found += list(_overlapping(name, new, poses, meshes))
+        known |= overlaps.keys()
     yield from found
     if not found:
         yield Finding("ok", "no self-collision with joints at zero or in mid-range")

@@ -97,8 +97,9 @@ def _holds(joint: ET.Element, hard: tuple[float, float]) -> bool:
 def _wide(robot: Robot) -> Iterator[Finding]:
     for name, low, high in zip(robot.posture_names, robot.lower, robot.upper, strict=True):
         if high - low > ROUNDED * WIDEST.get(robot.urdf.movable.get(name, ""), math.inf):
-            remedy = "Give narrower ones in the robot file: starts are drawn from all of the range"
-            yield Finding("doubtful", f"the limits of {name} are {low:g} .. {high:g}", remedy)
+            unit, other = ("m", "mm") if robot.urdf.movable.get(name) == "prismatic" else ("rad", "degrees")
+            remedy = f"Are they in {other}? Else give narrower ones in the robot file: starts are drawn from all of it"
+            yield Finding("doubtful", f"the limits of {name} are {low:g} .. {high:g} {unit}", remedy)
 
 
 def _narrowed(robot: Robot) -> Iterator[Finding]:
