@@ -34,6 +34,8 @@ from pinograsp.geometry.shapes import surface_of
 from pinograsp.kinematics.robot import Robot
 from pinograsp.mechanics import ContactModels, ForceLimits, carried, greatest_force, greatest_force_parallel
 from pinograsp.planning.relaxations.variant import place
+from pinograsp.problem import TaskModel
+from pinograsp.problem.loads import check_load
 from pinograsp.verification.certificate import Certificate, Figure
 from pinograsp.visualization import colors
 from pinograsp.visualization.offenders import offenders
@@ -70,6 +72,18 @@ def boxed(room: Scene, size: tuple[float, float, float], contacts: Any, center: 
     """Return the room with a box in place of the ball."""
     box = Object(shape=Box(size=size), pose=Pose(position=center))
     return room.with_object("ball", box).with_task("ball", desired_contacts=contacts)
+
+
+def test_a_torque_that_no_contacts_carry_is_refused_with_what_they_can(toy: Robot, room: Scene) -> None:
+    """Of 5 N each at most, at the ball's radius and, of soft fingers, within their friction besides."""
+    model = TaskModel(toy, room, "ball")
+    radius = model.surface.radius_about(np.zeros(3))
+    most = 5.0 * float((radius + 0.9 * model.contact_models.torsion_radius).sum())
+    error = refused(toy, room.with_task("ball", wrench={"force": (0.0, 0.0, -0.1), "torque": (0.0, 1.01 * most, 0.0)}))
+    assert "2 contacts on the object carry a torque of less than" in error.problem
+    assert error.key == "tasks.ball.wrench"
+    below = room.with_task("ball", wrench={"force": (0.0, 0.0, -0.1), "torque": (0.0, 0.99 * most, 0.0)})
+    check_load(TaskModel(toy, below, "ball"))
 
 
 def test_a_load_that_two_parallel_pads_cannot_carry_is_refused_with_what_they_can(toy: Robot, room: Scene) -> None:

@@ -8,7 +8,7 @@ minimiser y*, `bound` what no V* is below,
 
 from .barrier import ForceLimits
 from .bound import least_cost, least_cost_parallel
-from .carrying import carried, greatest_force, greatest_force_parallel
+from .carrying import carried, greatest_force, greatest_force_parallel, greatest_torque
 from .contacts import ContactDerivatives, ContactModels, Contacts
 from .forces import ForceSolution, solve_forces
 from .sensitivity import force_cost_gradient, residual_gradient
@@ -28,6 +28,7 @@ __all__ = [
     "grasp_statics",
     "greatest_force",
     "greatest_force_parallel",
+    "greatest_torque",
     "least_cost",
     "least_cost_parallel",
     "residual_gradient",

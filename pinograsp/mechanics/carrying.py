@@ -9,6 +9,9 @@ between them is at least pi - 2 phi, and
 
 which is convex in f_1 and in f_2: it is greatest where each is 0 or f_max. So they carry no force above
 f_max max(1, 2 sin phi).
+
+**Torques.** A contact at most r from the centre of mass has a torque of at most r f_max about it, and a soft finger of
+torsion radius e a spin torque of at most e mu f_max besides.
 """
 
 from __future__ import annotations
@@ -39,6 +42,11 @@ def greatest_force(contacts: int, limits: ForceLimits) -> float:
 def greatest_force_parallel(limits: ForceLimits) -> float:
     """Return the force that no grasp of two parallel pads exceeds, N."""
     return limits.maximum * max(1.0, 2.0 * math.sin(math.atan(limits.friction)))
+
+
+def greatest_torque(models: ContactModels, limits: ForceLimits, radius: float) -> float:
+    """Return the torque about the centre of mass that no contacts within a radius of it, m, exceed, N m."""
+    return float((limits.maximum * (radius + limits.friction * models.torsion_radius)).sum())
 
 
 def carried(points: Array, normals: Array, models: ContactModels, limits: ForceLimits, wrench: Array) -> float | None:

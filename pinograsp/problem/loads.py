@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import TaskError
 from ..kinematics.hand_posture import always_parallel
-from ..mechanics import carried, greatest_force, greatest_force_parallel
+from ..mechanics import carried, greatest_force, greatest_force_parallel, greatest_torque
 from .task_model import TaskModel
 
 ROUNDING = 1e-3
@@ -19,7 +19,7 @@ def check_load(model: TaskModel) -> list[str]:
     """Refuse a load that no grasp carries; return what is odd about it at the desired contacts, in words.
 
     Raises:
-        TaskError: the external force is above what so many contacts carry within friction and force limit.
+        TaskError: the external force or torque is above what so many contacts carry within friction and force limit.
     """
     if not model.task.balance_wrench:
         return []
@@ -36,7 +36,23 @@ def check_load(model: TaskModel) -> list[str]:
             key=key,
             remedy=f"Give {load}, or a `contact.max_force` of more than {_up(limit * force / most):g} N",
         )
+    _check_torque(model)
     return _at_desired_contacts(model, force)
+
+
+def _check_torque(model: TaskModel) -> None:
+    torque = float(np.linalg.norm(model.load.wrench[3:]))
+    most = greatest_torque(model.contact_models, model.limits, model.load.rho)
+    if torque > (1.0 + ROUNDING) * most:
+        limit = model.limits.maximum
+        raise TaskError(
+            f"{len(model.robot.pads)} contacts on the object carry a torque of less than {most:.4g} N m about its "
+            f"centre of mass (max_force {limit:g} N), the load is {torque:.4g} N m",
+            file=model.scene.source,
+            key=f"tasks.{model.task_name}.wrench",
+            remedy=f"Give a torque of less than {_down(most):g} N m, or a `contact.max_force` of more than "
+            f"{_up(limit * torque / most):g} N",
+        )
 
 
 def _down(value: float) -> float:
