@@ -127,6 +127,8 @@ def _files(names: dict[str, str], found: pinograsp.ConfigurationCheck, folder: P
 def _report(found: pinograsp.ConfigurationCheck, where: str, terminal: Terminal) -> None:
     from ..results.table import clearances_table, figures_table
 
+    for warning in found.warnings:
+        terminal.warn(warning)
     terminal.table(figures_table(found.certificate.figures, f"certificate: {where}"))
     if found.clearances:
         terminal.say("")

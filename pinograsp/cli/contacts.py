@@ -71,6 +71,7 @@ def contacts(
         "seed": seed,
         "pairs": [pair.to_json() for pair in found],
         "remarks": list(found.remarks),
+        "warnings": list(found.warnings),
     }
     saved = [] if out is None else list(_saved(found, content, described, out))
     where = f"{thing}, {model.description.name} in {described.name}"
@@ -92,6 +93,8 @@ def _saved(
 def _report(found: pinograsp.ContactPairs, where: str, terminal: Terminal) -> None:
     from ..tables import Table
 
+    for warning in found.warnings:
+        terminal.warn(warning)
     table = Table(f"proposed contacts: {where}")
     table.numbers("", "width\nmm", "first point, object's frame\nmm", "second point\nmm")
     for number, pair in enumerate(found, 1):
