@@ -14,7 +14,7 @@ from ..planning.defaults import PROPOSED
 from . import arguments, completion
 from .arguments import as_options, command
 from .folders import file_name, make_folder, save, save_json
-from .inputs import moved, read_robot
+from .inputs import moved, read_robot, scene_words
 from .terminal import Terminal
 
 
@@ -59,7 +59,7 @@ def contacts(
     if out is not None:
         make_folder(out)
     names = {"task, object": "--task, --object", "most": "--most", "seed": "--seed"}
-    with terminal.progress() as progress, as_options(names):
+    with terminal.progress() as progress, as_options(names), scene_words(scene, described, task, object_pose):
         model = read_robot(robot)
         found = pinograsp.contacts(model, described, task=task, object=object, seed=seed, most=most, progress=progress)
     thing = object if task is None else described.task(task).object
