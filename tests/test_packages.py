@@ -211,3 +211,11 @@ def test_the_home_of_nobody_is_not_found(tmp_path: Path) -> None:
         mesh_of(file)
     with pytest.raises(FileError, match="jaw"):
         mesh_of(robot_file(tmp_path, "package://jaw/meshes/f.stl"), ("~nobody_at_all",))
+
+
+def test_a_new_robot_file_is_told_of_the_home_of_nobody(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "toy.urdf").write_text(TOY_URDF)
+    code, _, err = run("robot", "new", "~nobody_at_all/toy.urdf", "--out", "new.yaml")
+    assert (code, "~nobody_at_all/toy.urdf: " in err, "no such file" in err) == (2, True, True)
+    code, _, err = run("robot", "new", "toy.urdf", "--packages", "~nobody_at_all", "--out", "new.yaml")
+    assert code != 70, err
