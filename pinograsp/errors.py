@@ -214,8 +214,14 @@ LISTED = 12
 """Names that a remedy lists at most."""
 
 
-def close_names(name: object, known: Iterable[str]) -> str:
-    """Return a remedy that lists the names closest to `name` among those known."""
+def close_names(name: object, known: Iterable[str], label: str = "Known") -> str:
+    """Return a remedy that lists the names closest to `name` among those known.
+
+    Args:
+        name: that nothing has.
+        known: those that there are.
+        label: what these are, where none is close.
+    """
     from difflib import get_close_matches
 
     names = sorted(set(known))
@@ -224,4 +230,4 @@ def close_names(name: object, known: Iterable[str]) -> str:
         return f"Did you mean {' or '.join(close)}?"
     if not names:
         return "None is defined"
-    return f"Known: {', '.join(names[:LISTED])}" + (", ..." if len(names) > LISTED else "")
+    return f"{label}: {', '.join(names[:LISTED])}" + (", ..." if len(names) > LISTED else "")

@@ -299,7 +299,9 @@ def test_a_pose_that_cannot_be_is_found_before_robot_and_pieces_are_made(
     monkeypatch.setattr(task_models, "link_bodies", made)
     options = ("--object-pose", "sphere", 0.8, 0.02, -0.5, 0, 0, 0)
     message = refused(run("plan", "glovebox", "--task", "sphere", "--workers", 1, *options))
-    assert "objects.sphere.pose: the object 'sphere' is outside the enclosure: 300.3 mm beyond wall z=-0.237" in message
+    assert (
+        "error: --object-pose: the object 'sphere' is outside the enclosure: 300.3 mm beyond wall z=-0.237" in message
+    )
 
 
 def test_a_fault_of_the_program_has_an_exit_code_of_its_own(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -159,7 +159,7 @@ def test_desired_contacts_on_faces_too_narrow_for_the_rim_are_warned_of(
     scene = boxed(room, (0.04, width, 0.04), [[0.02, 0.0, 0.0], [-0.02, 0.0, 0.0]], UP)
     found = [warning for warning in odd(toy, scene) if "(reserve.rim)" in warning]
     shown = f"is on a face {1e3 * width:g} mm wide, and contacts keep 0.5 mm from edges"
-    assert [warning.startswith(f"desired contact {number} {shown}") for number, warning in enumerate(found)] == (
+    assert [warning.startswith(f"desired_contacts[{number}] {shown}") for number, warning in enumerate(found)] == (
         [True, True] if warned else []
     )
 

@@ -394,6 +394,10 @@ HOSTILE: dict[str, tuple[bytes, str]] = {
     "words.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf one two three\n", "cannot be read as OBJ"),
     "range.off": (b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "cannot be read as OFF"),
     "nan.obj": (b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has corners that are not finite in 1 of its 1 triangles"),
+    "second.obj": (
+        b"v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 2 3 4\nf 1 2 3\n",
+        "has corners that are not finite in 1 of its 2 triangles; the first is triangle 2, counted from 1",
+    ),
     "infinite.obj": (
         b"v 1e999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
         "has corners that are not finite in 1 of its 1 triangles",

@@ -181,3 +181,41 @@ def test_packages_on_the_command_line(run: Run, tmp_path: Path) -> None:
     assert mesh_of(tmp_path / "n" / "robot.yaml") == mesh
     with pytest.raises(InputError, match="was not found"):
         mesh_of(file)
+
+
+def test_a_tilde_is_the_home_of_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    home = tmp_path / "home"
+    mesh = package(home / "jaw", None)
+    monkeypatch.setenv("HOME", str(home))
+    assert pinograsp.Mesh(file="~/jaw/meshes/f.stl").file == mesh
+    content = pinograsp.load_scene("glovebox").to_dict()
+    content["objects"]["sphere"]["shape"] = {"type": "mesh", "file": "~/jaw/meshes/f.stl"}
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(yaml.safe_dump(content))
+    shape = pinograsp.load_scene(scene).objects["sphere"].shape
+    assert isinstance(shape, pinograsp.Mesh)
+    assert shape.file == mesh
+    assert mesh_of(robot_file(tmp_path / "robot", "package://jaw/meshes/f.stl", ("~",))) == mesh
+    assert mesh_of(robot_file(tmp_path / "other", "~/jaw/meshes/f.stl", ("~/jaw",))) == mesh
+    (home / "toy.urdf").write_text((tmp_path / "robot" / "toy.urdf").read_text())
+    file = tmp_path / "robot" / "robot.yaml"
+    file.write_text(yaml.safe_dump(TOY_ROBOT | {"packages": ["~"], "urdf": "~/toy.urdf"}))
+    assert load_robot_description(file).urdf_file == home / "toy.urdf"
+
+
+def test_the_home_of_nobody_is_not_found(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"~nobody_at_all/f\.stl cannot be read"):
+        pinograsp.Mesh(file="~nobody_at_all/f.stl")
+    file = robot_file(tmp_path, "package://jaw/meshes/f.stl", ("~nobody_at_all",))
+    with pytest.raises(FileError, match="jaw"):
+        mesh_of(file)
+    with pytest.raises(FileError, match="jaw"):
+        mesh_of(robot_file(tmp_path, "package://jaw/meshes/f.stl"), ("~nobody_at_all",))
+
+
+def test_a_new_robot_file_is_told_of_the_home_of_nobody(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "toy.urdf").write_text(TOY_URDF)
+    code, _, err = run("robot", "new", "~nobody_at_all/toy.urdf", "--out", "new.yaml")
+    assert (code, "~nobody_at_all/toy.urdf: " in err, "no such file" in err) == (2, True, True)
+    code, _, err = run("robot", "new", "toy.urdf", "--packages", "~nobody_at_all", "--out", "new.yaml")
+    assert code != 70, err

@@ -90,6 +90,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_ply(folder / "can.ply")
     write_obj(folder / "can.obj")
     write_glb(folder / "can.glb")
+    bare(FACES).export(folder / "bare.stl")
     return folder
 
 
@@ -240,10 +241,23 @@ def test_senseless_regions_are_refused(region: dict[str, Any], words: str) -> No
             {"file": "can.ply", "color": (255, 0, 0)},
             "has nothing that is painted with color '#ff0000'. Its colours: #969696, #00c800",
         ),
-        ({"file": "can.obj", "color": GREEN}, "No triangle has a colour"),
-        ({"file": "can.obj", "material": "grap"}, "Materials: Did you mean grip"),
-        ({"file": "can.glb", "group": "x"}, "Groups: Known: grip mesh, grip node, rest mesh, rest node"),
-        ({"file": "can.obj", "material": "grip", "group": "rests"}, "material 'grip' and group 'rests'"),
+        (
+            {"file": "can.glb", "color": GREEN},
+            "with color '#00c800'. No triangle has a colour of its own; what a material colours is chosen with "
+            "`material`: grip, rest",
+        ),
+        ({"file": "bare.stl", "color": GREEN}, "No triangle has a colour; PLY files keep colours of faces"),
+        ({"file": "bare.stl", "material": "grip"}, "with material 'grip'. It has no materials"),
+        ({"file": "can.obj", "material": "grap"}, "with material 'grap'. Did you mean grip?"),
+        ({"file": "can.obj", "material": "x"}, "with material 'x'. Its materials: grip, rest"),
+        ({"file": "can.glb", "group": "x"}, "with group 'x'. Its groups: grip mesh, grip node, rest mesh, rest node"),
+        (
+            {"file": "can.obj", "material": "grip", "group": "rests"},
+            "with material 'grip' and group 'rests'. Each is there, but no triangle has both; an `any_of` of regions "
+            "takes what has either",
+        ),
+        ({"file": "can.ply", "color": GREEN, "material": "grip"}, "and material 'grip'. It has no materials"),
+        ({"file": "can.obj", "color": GREEN, "material": "grip"}, "is chosen with `material`: grip, rest"),
     ],
 )
 def test_what_is_not_painted_is_refused_with_what_is(way: dict[str, Any], words: str, folder: Path) -> None:

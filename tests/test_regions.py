@@ -279,7 +279,7 @@ def test_reach_bounds_every_contact(gen3: Any, paper: Any) -> None:
 def test_desired_points_outside_the_region_are_said_not_refused(gen3: Any) -> None:
     model = TaskModel(gen3, pinograsp.load_scene("glovebox_can"), "can_region")
     warnings = check_task(model)
-    assert [w[:18] for w in warnings] == ["desired contact 0 ", "desired contact 1 "]
+    assert [w[:20] for w in warnings] == ["desired_contacts[0] ", "desired_contacts[1] "]
     assert "34.0 mm" in warnings[0]
     assert check_task(TaskModel(gen3, model.scene, "can")) == []
     result = pinograsp.plan(gen3, model.scene, "can_region", starts=1, workers=1)

@@ -17,7 +17,7 @@ from ..units import shown_in
 from . import arguments
 from .arguments import as_options, command, given, scaled
 from .folders import file_name, make_folder, save_json, saved
-from .inputs import grasp_of, read_result
+from .inputs import grasp_of, read_result, result_words
 from .terminal import Terminal
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ def assess(
     chosen = grasp_of(result, grasp, file)
     if out is not None:
         make_folder(out)
-    with as_options({"samples": "--samples"}), terminal.progress() as progress, held():
+    named = result_words(file, result)
+    with as_options({"samples": "--samples"}), named, terminal.progress() as progress, held():
         found = pinograsp.assess(
             chosen, errors, seed=seed, workers=workers, progress=progress, **given(samples=samples)
         )

@@ -16,7 +16,7 @@ from ..errors import InputError
 from . import arguments
 from .arguments import as_options, command, named_values
 from .folders import file_name, make_folder, save, save_json, saved
-from .inputs import read_robot, read_scene
+from .inputs import read_robot, read_scene, scene_words
 from .terminal import Terminal
 
 NOT_VERIFIED = 1
@@ -63,7 +63,7 @@ def check(
     described, values = read_scene(scene, task, object_pose, lock), read_joints(joints)
     if out is not None:
         make_folder(out)
-    with terminal.progress() as progress:
+    with terminal.progress() as progress, scene_words(scene, described, task, object_pose, lock):
         model = read_robot(robot)
         name = model.description.name
         planner = pinograsp.Planner(model, described, workers=1, progress=progress)
@@ -127,6 +127,8 @@ def _files(names: dict[str, str], found: pinograsp.ConfigurationCheck, folder: P
 def _report(found: pinograsp.ConfigurationCheck, where: str, terminal: Terminal) -> None:
     from ..results.table import clearances_table, figures_table
 
+    for warning in found.warnings:
+        terminal.warn(warning)
     terminal.table(figures_table(found.certificate.figures, f"certificate: {where}"))
     if found.clearances:
         terminal.say("")

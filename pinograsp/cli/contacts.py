@@ -14,7 +14,7 @@ from ..planning.defaults import PROPOSED
 from . import arguments, completion
 from .arguments import as_options, command
 from .folders import file_name, make_folder, save, save_json
-from .inputs import moved, read_robot
+from .inputs import moved, read_robot, scene_words
 from .terminal import Terminal
 
 
@@ -59,7 +59,7 @@ def contacts(
     if out is not None:
         make_folder(out)
     names = {"task, object": "--task, --object", "most": "--most", "seed": "--seed"}
-    with terminal.progress() as progress, as_options(names):
+    with terminal.progress() as progress, as_options(names), scene_words(scene, described, task, object_pose):
         model = read_robot(robot)
         found = pinograsp.contacts(model, described, task=task, object=object, seed=seed, most=most, progress=progress)
     thing = object if task is None else described.task(task).object
@@ -71,6 +71,7 @@ def contacts(
         "seed": seed,
         "pairs": [pair.to_json() for pair in found],
         "remarks": list(found.remarks),
+        "warnings": list(found.warnings),
     }
     saved = [] if out is None else list(_saved(found, content, described, out))
     where = f"{thing}, {model.description.name} in {described.name}"
@@ -92,6 +93,8 @@ def _saved(
 def _report(found: pinograsp.ContactPairs, where: str, terminal: Terminal) -> None:
     from ..tables import Table
 
+    for warning in found.warnings:
+        terminal.warn(warning)
     table = Table(f"proposed contacts: {where}")
     table.numbers("", "width\nmm", "first point, object's frame\nmm", "second point\nmm")
     for number, pair in enumerate(found, 1):

@@ -18,7 +18,7 @@ from ..tables import Table
 from . import arguments
 from .arguments import as_options, command, given, scaled
 from .folders import file_name, make_folder, save, save_json, saved
-from .inputs import grasp_of, read_result
+from .inputs import grasp_of, read_result, result_words
 from .terminal import Terminal
 
 NOT_HELD = 1
@@ -111,7 +111,7 @@ def hold(
     grasps, first = _chosen(result, file, best, grasp)
     if out is not None:
         make_folder(out)
-    with terminal.progress() as progress, held():
+    with terminal.progress() as progress, result_words(file, result), held():
         tested = pinograsp.hold_test(grasps, None, workers=workers, options=options, progress=progress)
         outcomes = [dataclasses.replace(outcome, grasp=outcome.grasp + first - 1) for outcome in tested]
         written = saved(_files(result, outcomes, out))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pinograsp
@@ -11,11 +12,14 @@ from ..errors import InputError
 from .arguments import POSE, as_options, named_values
 from .terminal import Terminal
 
+ObjectPose = tuple[str, float, float, float, float, float, float]
+"""Name of an object, its position, m, and its roll, pitch and yaw, rad."""
+
 
 def read_scene(
     name: str,
     task: str,
-    object_pose: tuple[str, float, float, float, float, float, float] | None = None,
+    object_pose: ObjectPose | None = None,
     lock: Sequence[str] | None = None,
 ) -> pinograsp.Scene:
     """Return a scene whose object stands and whose joints are locked as the command line says.
@@ -33,13 +37,48 @@ def read_scene(
     its = scene.task(task)
     scene = moved(scene, object_pose)
     if lock:
-        scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
+        with scene_words(name, scene, task, object_pose, lock):
+            scene = scene.with_task(task, lock={**its.lock, **named_values(lock, "--lock")})
     return scene
 
 
-def moved(
-    scene: pinograsp.Scene, object_pose: tuple[str, float, float, float, float, float, float] | None
-) -> pinograsp.Scene:
+@contextmanager
+def scene_words(
+    name: str,
+    scene: pinograsp.Scene,
+    task: str | None = None,
+    object_pose: ObjectPose | None = None,
+    lock: Sequence[str] | None = None,
+) -> Iterator[None]:
+    """Have errors about a scene name what says it: the option that changed it, else its file.
+
+    Args:
+        name: file or name of a shipped scene.
+        scene: which is there, as `read_scene` changed it.
+        task: as of `read_scene`.
+        object_pose: as of `read_scene`.
+        lock: as of `read_scene`.
+    """
+    from ..descriptions.locate import scene_file
+    from ..descriptions.scene_keys import scene_keys
+
+    changed = {f"tasks.{task}.lock.{joint}": f"--lock {joint}" for joint in named_values(lock or (), "--lock")}
+    if object_pose is not None:
+        changed[f"objects.{object_pose[0]}.pose"] = "--object-pose"
+    with scene_keys(scene, scene_file(name)), as_options(changed):
+        yield
+
+
+@contextmanager
+def result_words(file: Path, result: pinograsp.Result) -> Iterator[None]:
+    """Have errors about the scene of a result name the file of the result, which has it."""
+    from ..descriptions.scene_keys import scene_keys
+
+    with scene_keys(result.setup.scene, file):
+        yield
+
+
+def moved(scene: pinograsp.Scene, object_pose: ObjectPose | None) -> pinograsp.Scene:
     """Return a scene with an object elsewhere, if the command line says so.
 
     Args:

@@ -15,7 +15,7 @@ from ..planning.defaults import DEFAULT_STARTS
 from . import arguments, completion
 from .arguments import as_options, command, given
 from .folders import file_name, make_folder, remove, save, saved
-from .inputs import read_robot, read_scene
+from .inputs import read_robot, read_scene, scene_words
 from .orders import ORDERS, is_measured, require_order
 from .terminal import Terminal
 
@@ -124,7 +124,7 @@ def plan(
 
     make_folder(out)
     names = {name: f"--{name}" for name in ("starts", "workers", "deadline")}
-    with terminal.progress() as progress, as_options(names):
+    with terminal.progress() as progress, as_options(names), scene_words(scene, described, task, object_pose, lock):
         model = read_robot(robot)
         session: dict[str, Any] = {"workers": workers, "options": options, "database": database, "progress": progress}
         with held():

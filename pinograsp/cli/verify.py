@@ -11,7 +11,7 @@ import pinograsp
 
 from . import arguments
 from .arguments import command
-from .inputs import read_result
+from .inputs import read_result, result_words
 from .terminal import Terminal
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def verify(
     """
     terminal = Terminal(as_json, quiet)
     result = read_result(file, terminal)
-    with terminal.progress() as progress:
+    with terminal.progress() as progress, result_words(file, result):
         found = pinograsp.verify(result, progress)
     terminal.find(lambda: _document(result, found), lambda: _report(len(result.grasps), found, terminal))
     if found:

@@ -15,7 +15,7 @@ from ..planning.defaults import EXPLAIN_SECONDS, EXPLAINED
 from . import arguments
 from .arguments import as_options, command, given
 from .folders import file_name, make_folder, remove, save, save_json, saved
-from .inputs import read_robot, read_scene
+from .inputs import read_robot, read_scene, scene_words
 from .terminal import Terminal
 
 NOTHING_HELPS = 1
@@ -69,7 +69,7 @@ def why(
     if out is not None:
         make_folder(out)
     names = {name: f"--{name}" for name in ("starts", "seed", "deadline", "workers")}
-    with terminal.progress() as progress, as_options(names):
+    with terminal.progress() as progress, as_options(names), scene_words(scene, described, task, object_pose, lock):
         model = read_robot(robot)
         with held():
             found = pinograsp.explain(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..disk import is_file, is_folder
 from ..errors import FileError, InputError, close_names
-from .packages import PackageFolders, candidates, remedy_for
+from .packages import PackageFolders, candidates, expanded, remedy_for
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -47,13 +47,11 @@ def scene_file(name: str | Path) -> Path:
 
 
 def _expanded(name: str | Path) -> Path:
-    """Return the path with ~ replaced; one of an unknown user stays as it is, and is not found."""
+    """Return the path, with ~ replaced."""
     if name == "":  # which would be the working directory
         raise InputError("a path or a name is wanted, not ''")
     try:
-        return Path(name).expanduser()
-    except RuntimeError:
-        return Path(name)
+        return expanded(name)
     except TypeError:
         raise InputError(f"a path or a name is wanted, not {name!r}") from None
 

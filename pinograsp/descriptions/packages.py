@@ -55,7 +55,17 @@ def _read(text: str) -> Address:
     if text.startswith("file:"):
         text = text.removeprefix("file://").removeprefix("localhost").removeprefix("file:")
     found = _FIND.fullmatch(text)
-    return Address(None, text) if found is None else Address(found[1], found[2])
+    if found is not None:
+        return Address(found[1], found[2])
+    return Address(None, str(expanded(text)) if text.startswith("~") else text)
+
+
+def expanded(path: str | Path) -> Path:
+    """Return a path with ~ replaced as shells do; one of an unknown user stays as it is, and is not found."""
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:
+        return Path(path)
 
 
 def named_folder(entry: str | Path) -> tuple[str | None, Path]:
@@ -67,7 +77,7 @@ def named_folder(entry: str | Path) -> tuple[str | None, Path]:
 def absolute_entry(entry: str | Path) -> Path:
     """Return such an entry with its folder as an absolute path."""
     name, folder = named_folder(entry)
-    absolute = folder.expanduser().resolve()
+    absolute = expanded(folder).resolve()
     return absolute if name is None else Path(f"{name}={absolute}")
 
 
@@ -81,7 +91,7 @@ class PackageFolders:
     """
 
     def __init__(self, entries: Sequence[str | Path], beside: Path, others: Sequence[Path] = ()) -> None:
-        given = [(name, (beside / folder.expanduser()).resolve()) for name, folder in map(named_folder, entries)]
+        given = [(name, (beside / expanded(folder)).resolve()) for name, folder in map(named_folder, entries)]
         self.named = {name: folder for name, folder in given if name is not None}
         self.listed = [*(folder for name, folder in given if name is None), *others]
 

@@ -117,7 +117,7 @@ def _required(found: MeshContent, file: Path, most: int) -> MeshContent:
     bad = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
     if len(bad):
         problem = f"has corners that are not finite in {len(bad)} of its {len(corners)} triangles"
-        problem += f"; the first is number {bad[0]}"
+        problem += f"; the first is triangle {bad[0] + 1}, counted from 1"
         raise FileError(problem, file=file, remedy="Export it again, or remove them")
     return found
 

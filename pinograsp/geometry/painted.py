@@ -20,7 +20,7 @@ from ..arrays import Array, Integers, Mask
 from ..descriptions.mesh_files import Unit
 from ..descriptions.regions import COLORS_ALIKE, Painted
 from ..descriptions.shapes import Mesh
-from ..errors import FileError, InputError, close_names
+from ..errors import LISTED, FileError, InputError, close_names
 from .mesh_content import Paint
 from .object_mesh import ObjectMesh, object_mesh
 
@@ -118,25 +118,51 @@ def _made(
 
 def painted_triangles(paint: Paint, region: Painted) -> Mask:
     """Return which triangles are painted as a region says, shape (f,)."""
-    found = np.ones(len(paint.group_of), dtype=bool)
+    return np.asarray(np.logical_and.reduce(list(_chosen(paint, region).values())), dtype=bool)
+
+
+def _chosen(paint: Paint, region: Painted) -> dict[str, Mask]:
+    """Return which triangles each key of a region that is given chooses by itself, shape (f,)."""
+    found = dict[str, Mask]()
     if region.color is not None:
         alike = np.abs(paint.colors - np.array(region.color)).max(axis=2) <= COLORS_ALIKE  # not where there is none
-        found &= alike.sum(axis=1) >= 2
+        found["color"] = alike.sum(axis=1) >= 2
     if region.material is not None:
-        found &= np.array([*(name == region.material for name in paint.materials), False])[paint.material_of]
+        found["material"] = np.array([*(name == region.material for name in paint.materials), False])[paint.material_of]
     if region.group is not None:
-        found &= np.array([*(region.group in names for names in paint.groups), False])[paint.group_of]
+        found["group"] = np.array([*(region.group in names for names in paint.groups), False])[paint.group_of]
     return found
 
 
 def _known(paint: Paint, region: Painted) -> str:
     """Return a remedy that names what is painted."""
-    if region.material is not None and region.material not in paint.materials:
-        return f"Materials: {close_names(region.material, paint.materials)}"
-    if region.group is not None and not any(region.group in names for names in paint.groups):
-        return f"Groups: {close_names(region.group, [name for names in paint.groups for name in names])}"
+    there = {key: bool(chosen.any()) for key, chosen in _chosen(paint, region).items()}
+    if all(there.values()):
+        together, some = ("both", "either") if len(there) == 2 else ("all three", "one of them")
+        return f"Each is there, but no triangle has {together}; an `any_of` of regions takes what has {some}"
+    if not there.get("material", True):
+        return _names("material", region.material, _materials(paint))
+    if not there.get("group", True):
+        names = {name for group in np.unique(paint.group_of[paint.group_of >= 0]) for name in paint.groups[group]}
+        return _names("group", region.group, names)
+    return _colors(paint)
+
+
+def _names(kind: str, wanted: str | None, names: set[str]) -> str:
+    return close_names(wanted, names, f"Its {kind}s") if names else f"It has no {kind}s"
+
+
+def _materials(paint: Paint) -> set[str]:
+    return {paint.materials[material] for material in np.unique(paint.material_of[paint.material_of >= 0])}
+
+
+def _colors(paint: Paint) -> str:
+    """Return a remedy that names colours of triangles, or what may be meant in their place."""
     colors, counts = np.unique(np.round(paint.colors[:, 0]), axis=0, return_counts=True)
     known = [color for color in colors[np.argsort(-counts)] if np.isfinite(color).all()][:4]
-    if not known:
-        return "No triangle has a colour; PLY files keep colours of faces"
-    return "Its colours: " + ", ".join("#" + bytes(color.astype(np.uint8)).hex() for color in known)
+    if known:
+        return "Its colours: " + ", ".join("#" + bytes(color.astype(np.uint8)).hex() for color in known)
+    if materials := sorted(_materials(paint)):
+        named = ", ".join(materials[:LISTED]) + (", ..." if len(materials) > LISTED else "")
+        return f"No triangle has a colour of its own; what a material colours is chosen with `material`: {named}"
+    return "No triangle has a colour; PLY files keep colours of faces"

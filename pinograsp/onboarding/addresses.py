@@ -10,6 +10,7 @@ from ..descriptions.locate import resolve, wheel_share
 from ..descriptions.packages import (
     PackageFolders,
     candidates,
+    expanded,
     folders_in,
     named_folder,
     package_name,
@@ -33,7 +34,7 @@ def find_urdf(address: str, packages: Sequence[str | Path], argument: str) -> Pa
         FileError: there is none.
     """
     if readings(address)[0].package is None:
-        file = Path(readings(address)[0].path).expanduser()
+        file = Path(readings(address)[0].path)
         if not is_file(file):
             raise FileError("no such file", file=file, key=argument)
         return file.resolve()
@@ -59,7 +60,7 @@ def needed_packages(urdfs: Sequence[Path], packages: Sequence[str | Path], outpu
     meshes turn out to be, as in a ROS workspace, or which turn out to be their package, whatever their name is.
     """
     home, share = output.resolve().parent, wheel_share().resolve()
-    given = [(name, folder.expanduser().resolve()) for name, folder in map(named_folder, packages)]
+    given = [(name, expanded(folder).resolve()) for name, folder in map(named_folder, packages)]
 
     for urdf in urdfs:
         known = (home, share, *(folder for name, folder in given if name is None))

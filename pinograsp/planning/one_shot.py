@@ -8,6 +8,7 @@ from pathlib import Path
 from ..database.store import Database
 from ..descriptions import Scene
 from ..descriptions.pose import ZERO
+from ..descriptions.scene_keys import scene_keys
 from ..descriptions.task import ContactConstants, Task, Wrench
 from ..errors import InputError, UnknownNameError, close_names, require_kind
 from ..kinematics.robot import Robot
@@ -170,12 +171,13 @@ def contacts(
     require_kind("scene", scene, Scene, remedy="Make it with `load_scene`, or in Python")
     if (task is None) == (object is None):
         raise InputError("one of both is wanted", key="task, object", remedy="Give a task, or an object")
+    asked = scene
     if object is not None:
         if object not in scene.objects:
             remedy = close_names(object, scene.objects)
             problem = f"no object {object!r} in this scene"
             raise UnknownNameError(problem, file=scene.source, key="objects", remedy=remedy)
         plain = Task(object=object, wrench=Wrench(force=ZERO), contact=ContactConstants(friction=FRICTION))
-        task, scene = PLAIN, scene.with_task(PLAIN, plain)
-    with Planner(robot, scene, workers=1, progress=progress) as planner:
+        task, asked = PLAIN, scene.with_task(PLAIN, plain)
+    with scene_keys(scene, scene.source), Planner(robot, asked, workers=1, progress=progress) as planner:
         return planner.contacts(str(task), seed=seed, most=most)

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array, Numbers, real_array
 from ..errors import InputError, UnknownNameError, close_names, real_number
 from ..kinematics.robot import Robot
-from ..problem import TaskModel
+from ..problem import TaskModel, file_findings
 from ..results import Grasp, Result, Setup
 from ..results.configuration_check import ConfigurationCheck
 from ..verification.check import Verifier
@@ -47,7 +47,8 @@ def checked(model: TaskModel, verifier: Verifier, q: Configuration) -> Configura
         T_world_wrist=derived.T_world_wrist,
         setup=Setup(model.robot.unmounted.description, model.scene, model.task_name),
     )
-    return ConfigurationCheck(grasp, verifier.clearances(claim.joints))
+    odd = file_findings(model.scene, model.task, model.robot.description)
+    return ConfigurationCheck(grasp, verifier.clearances(claim.joints), tuple(odd))
 
 
 def _posture(robot: Robot, q: Configuration) -> tuple[Array, dict[str, float]]:

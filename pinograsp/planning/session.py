@@ -292,9 +292,9 @@ class Planner:
         """
         seed, most = whole_number("seed", seed, 0, None), whole_number("most", most, 1)
         with undisguised():
-            model, _ = self._models.checked(task)
+            model, odd = self._models.checked(task)
             proposals = self._models.proposals(model, seed)
-            return ContactPairs((candidate.pair for candidate in proposals.here(model, most)), proposals.remarks)
+            return ContactPairs((found.pair for found in proposals.here(model, most)), proposals.remarks, odd)
 
     def _setup(self, task: str) -> Setup:
         return Setup(self._robot.description, self.scene, task)

@@ -16,7 +16,7 @@ from ..interrupts import taken, undisguised
 from ..kinematics.hand_posture import jaw_range
 from ..kinematics.reach import arm_reach
 from ..kinematics.robot import Robot
-from ..problem import TaskModel
+from ..problem import TaskModel, file_findings
 from ..problem.proposals import Proposals
 from ..progress import Report
 from ..results import Result
@@ -65,7 +65,9 @@ def explained(
     try:
         result = plan()
     except TaskError as error:
-        found = Explanation(refusal=f"{error.problem}. {error.remedy}" if error.remedy else error.problem)
+        refusal = f"{error.problem}. {error.remedy}" if error.remedy else error.problem
+        odd = file_findings(scene, scene.task(task), robot.description)  # a wrong unit may be what is refused
+        found = Explanation(refusal=refusal, warnings=tuple(odd))
         kinds = (BETWEEN.sub("", error.key or ""),)
         bodies = _named(error.problem)
     else:

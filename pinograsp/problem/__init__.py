@@ -6,7 +6,7 @@
 The active internal forces y belong to x as the minimiser of the nested problem (8).
 """
 
-from .checks import check_placement, check_task
+from .checks import check_placement, check_task, file_findings
 from .constraint import Constraint, Inside, Residual, Violation
 from .constraints import CONSTRAINTS
 from .cost import Cost
@@ -33,4 +33,5 @@ __all__ = [
     "Violation",
     "check_placement",
     "check_task",
+    "file_findings",
 ]

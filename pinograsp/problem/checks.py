@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..descriptions import Scene, Task
+from ..descriptions import RobotDescription, Scene, Task
 from ..descriptions.shapes import Compound, Mesh
 from ..errors import TaskError
 from ..geometry.filled import center_of_mass
@@ -59,14 +59,22 @@ def check_task(model: TaskModel) -> list[str]:
             remedy="Give one for each pad",
         )
     return [
-        *angle_findings(model.scene, model.robot.description),
-        *mesh_findings(model.scene, model.task),
+        *file_findings(model.scene, model.task, model.robot.description),
         *_center_of_mass_odd(model),
         *check_openings(model),
         *check_load(model),
         *check_region(model),
         *check_standing(model),
     ]
+
+
+def file_findings(scene: Scene, task: Task, robot: RobotDescription) -> list[str]:
+    """Return what is odd about poses, and what was guessed and mended in mesh files of a scene, in words.
+
+    Raises:
+        FileError: a mesh file cannot be read, has changed since it was described, or encloses no body.
+    """
+    return [*angle_findings(scene, robot), *mesh_findings(scene, task)]
 
 
 def _center_of_mass_odd(model: TaskModel) -> list[str]:

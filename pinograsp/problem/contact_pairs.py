@@ -34,15 +34,20 @@ class ContactPairs(tuple[ContactPair, ...]):
     Args:
         pairs: in their order.
         remarks: which parts of the surface have no pair, and why.
+        warnings: what a plan would warn of.
     """
 
     remarks: tuple[str, ...]
     """Which parts of the surface have no pair, and which limit that is."""
+    warnings: tuple[str, ...]
+    """What is odd about the task, and what was guessed and mended in mesh files, as a plan warns of it."""
 
-    def __new__(cls, pairs: Iterable[ContactPair], remarks: tuple[str, ...] = ()) -> Self:
+    def __new__(
+        cls, pairs: Iterable[ContactPair], remarks: tuple[str, ...] = (), warnings: tuple[str, ...] = ()
+    ) -> Self:
         """Make it as a tuple is."""
         made = super().__new__(cls, pairs)
-        made.remarks = remarks
+        made.remarks, made.warnings = remarks, warnings
         return made
 
 

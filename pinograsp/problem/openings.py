@@ -73,7 +73,7 @@ def _narrow_faces(model: TaskModel) -> list[str]:
         if room < rim:
             wide, kept = shown(2.0 * room, "m"), f"contacts keep {shown(rim, 'm')} from edges (reserve.rim)"
             remedy = "give a point on another face, or a smaller reserve.rim"
-            found.append(f"desired contact {number} is on a face {wide} wide, and {kept}: {remedy}")
+            found.append(f"desired_contacts[{number}] is on a face {wide} wide, and {kept}: {remedy}")
     return found
 
 

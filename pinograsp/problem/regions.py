@@ -81,7 +81,7 @@ def check_region(model: TaskModel) -> list[str]:
         return []
     values = model.region((model.desired_points - origin) @ R)[0]
     return [
-        f"desired contact {i} is outside the contact region by {-1e3 * value:.1f} mm; contacts will keep off it"
+        f"desired_contacts[{i}] is outside the contact region by {-1e3 * value:.1f} mm; contacts will keep off it"
         for i, value in enumerate(values)
         if value < 0.0
     ]

@@ -20,6 +20,8 @@ class ConfigurationCheck(Record):
     or not, it knows robot, scene and task. Its `start` is None, its `count` 0."""
     clearances: tuple[PairClearance, ...]
     """Distances below 50 mm, pair by pair, the least first."""
+    warnings: tuple[str, ...] = ()
+    """What is odd about poses, and what was guessed and mended in mesh files, as a plan warns of it."""
 
     @property
     def certificate(self) -> Certificate:

@@ -61,10 +61,13 @@ def grasp_html(grasp: Grasp) -> str:
 
 
 def check_html(check: ConfigurationCheck) -> str:
-    """Return a check: the certificate, and the distances pair by pair."""
+    """Return a check: its warnings, the certificate, and the distances pair by pair."""
+    odd = notebook.table("Warnings", [notebook.row([line]) for line in check.warnings]) if check.warnings else ""
     nearest = [notebook.row(cells) for cells in map(clearance_cells, check.clearances)]
     clearances = notebook.table("Distances below 50 mm", nearest, ("kind", "link", "other", "distance"))
-    return check.certificate._repr_html_() + notebook.folded(f"{len(nearest)} pairs nearer than 50 mm", clearances)
+    return (
+        odd + check.certificate._repr_html_() + notebook.folded(f"{len(nearest)} pairs nearer than 50 mm", clearances)
+    )
 
 
 def clearance_cells(pair: PairClearance) -> tuple[str, str, str, str]:
