@@ -15,7 +15,7 @@ from ..object_mesh import object_mesh
 from ..outlines import Rubber
 from .core import PENETRATION, Core, Geometry, Limits
 
-GAP = 1e-4
+GAP = 5e-5
 """Distance of a contact point from the triangles, m: more than the error of distances interpolated between them."""
 TOUCHED = PENETRATION
 """What is so near to the tangent plane of a contact is touched by a rigid pad, m."""
