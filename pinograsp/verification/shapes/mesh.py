@@ -16,7 +16,7 @@ from ..outlines import Rubber
 from .core import PENETRATION, Core, Geometry, Limits
 
 GAP = 5e-5
-"""Distance of a contact point from the triangles, m: more than the error of distances interpolated between them."""
+"""Distance of a contact point from the triangles, m."""
 TOUCHED = PENETRATION
 """What is so near to the tangent plane of a contact is touched by a rigid pad, m."""
 _SLIVER = 1e-6
