@@ -40,7 +40,7 @@ class ContactPairs(tuple[ContactPair, ...]):
     remarks: tuple[str, ...]
     """Which parts of the surface have no pair, and which limit that is."""
     warnings: tuple[str, ...]
-    """What is odd about the task, and what was guessed and mended in mesh files, as a plan warns of it."""
+    """Oddities of the task, and what was guessed and mended in mesh files, as a plan warns of it."""
 
     def __new__(
         cls, pairs: Iterable[ContactPair], remarks: tuple[str, ...] = (), warnings: tuple[str, ...] = ()

@@ -21,7 +21,7 @@ class ConfigurationCheck(Record):
     clearances: tuple[PairClearance, ...]
     """Distances below 50 mm, pair by pair, the least first."""
     warnings: tuple[str, ...] = ()
-    """What is odd about poses, and what was guessed and mended in mesh files, as a plan warns of it."""
+    """Oddities of poses, and what was guessed and mended in mesh files, as a plan warns of it."""
 
     @property
     def certificate(self) -> Certificate:
