@@ -486,16 +486,6 @@ def test_what_others_state_of_the_whole_is_compared(result: Result, tmp_path: Pa
             read_json(file)
 
 
-def test_the_best_is_the_first(result: Result, tmp_path: Path) -> None:
-    file = tmp_path / "result.json"
-    data = encode(result)
-    data["grasps"].reverse()
-    file.write_text(json.dumps(data))
-    with pytest.raises(FileError, match=r"grasps\[\d+\] goes before it") as caught:
-        read_json(file)
-    assert caught.value.key == "grasps[0]"
-
-
 ANYTHING = (..., None, True, -1, 1e308, 10**400, "x", [], {}, [[]])
 """What is put anywhere; `...` stands for leaving the key out."""
 

@@ -17,7 +17,6 @@ from ..descriptions.hand import HardFinger
 from ..descriptions.mesh_files import content_hashes
 from ..errors import InputError, close_names
 from .grasp import Grasp
-from .ranking import default_order
 from .result import Result
 from .setup import Setup
 
@@ -89,14 +88,6 @@ def _sums(result: Result) -> Iterator[Disagreement]:
     ):
         if number > most:
             yield key, f"{number} are more than the {most} {of}"
-
-
-def _order(result: Result) -> Iterator[Disagreement]:
-    """Grasps are in the default order."""
-    for place, index in enumerate(default_order(result.grasps)):
-        if index != place:
-            yield f"grasps[{place}]", f"grasps[{index}] goes before it: the best is the first"
-            return
 
 
 def _alike(result: Result) -> Iterator[Disagreement]:
@@ -224,7 +215,7 @@ def _rigid(T: Array) -> bool:
     return orthonormal and T[3].tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
-RULES: Sequence[Callable[[Result], Iterable[Disagreement]]] = (_references, _hashes, _sums, _alike, _order)
+RULES: Sequence[Callable[[Result], Iterable[Disagreement]]] = (_references, _hashes, _sums, _alike)
 """Of the whole, in the order in which they rely on each other."""
 GRASP_RULES: Sequence[Callable[[Grasp, Result], Iterable[Disagreement]]] = (
     *(_proven, _joints, _pads, _frames, _desired, _cost),
