@@ -313,7 +313,7 @@ def test_a_check_as_json_has_the_attributes(planner: Planner, grasp: pinograsp.G
     q[3] = 2.5  # the elbow folds
     check = planner.check("sphere", q)
     data = json.loads(json.dumps(check.to_json(), allow_nan=False))
-    assert data.keys() == {"verified", "grasp", "clearances"}
+    assert data.keys() == {"verified", "grasp", "clearances", "warnings"}
     assert data["verified"] is False
     assert data["grasp"] == check.grasp.to_json()
     assert data["grasp"]["start"] is None
