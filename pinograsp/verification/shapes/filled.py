@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..object_mesh import object_mesh
 from .core import Geometry
 
 
+@lru_cache(maxsize=64)  # a planner asks again whenever the object is moved
 def filled(shape: ShapeDescription, geometry_of: Callable[[ShapeDescription], Geometry]) -> Filled:
     """Return the integrals over a shape; what parts share counts once.
 
